@@ -1,0 +1,1 @@
+"""What goes into an FMU, and the packaging."""

@@ -1,0 +1,64 @@
+"""What the FMU says to a reader: the table of its modes, and what its host must have."""
+
+from html import escape
+from importlib.metadata import version
+
+from .runtime.model import ReducedModel
+
+
+def external_dependencies() -> str:
+    """The text of `documentation/externalDependencies.txt`."""
+    return f"""\
+This FMU runs Python code. The host needs
+
+  Python  3.11 or newer, as a shared library (libpython3.x.so, python3x.dll), 64 bit
+  numpy   1.24 or newer, importable by that Python
+  glibc   2.32 or newer on Linux
+
+Binaries: linux64 and win64, from pythonfmu {version("pythonfmu")}. Nothing else is needed: the model
+and the code that runs it are in resources/.
+
+Hosts that are Python programs (FMPy, PyFMI) load the FMU as it is, from an environment with numpy.
+
+Hosts that are not Python programs must have libpython in their process before they load the FMU:
+  Linux    LD_PRELOAD=libpython3.11.so HOST …   (the path of that file, and PYTHONHOME or an activated
+           environment so that numpy is found)
+  Windows  the folder of python3.dll and python3xx.dll on PATH, PYTHONHOME set to it
+
+All FMUs of this kind in one process share one Python interpreter.
+"""
+
+
+def mode_table(
+    model: ReducedModel, effective_mass: dict[str, list[float]] | None = None, total_mass: float | None = None
+) -> str:
+    """`documentation/index.html`: what the model is, its ports and its modes with units."""
+    ratio = model.damping_ratio(model.alpha, model.beta)
+    head = ["mode", "frequency / Hz", "damping ratio"]
+    rows = [
+        [str(i), f"{f:.6g}", f"{z:.4g}" if f > 0 else "rigid"]
+        for i, (f, z) in enumerate(zip(model.frequency, ratio, strict=True), start=1)
+    ]
+    if effective_mass and total_mass:
+        head += [f"effective mass {axis} / kg" for axis in effective_mass]
+        for i, row in enumerate(rows):
+            row += [f"{mass[i]:.4g}" for mass in effective_mass.values()]
+    ports = [[port.name, ", ".join(port.inputs), ", ".join(port.outputs)] for port in model.ports]
+    mass = f"<p>Total mass {total_mass:.6g} kg.</p>\n" if total_mass else ""
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(model.name)}</title>\n'
+        "<style>body{font:15px sans-serif;margin:2em}td,th{padding:.2em .8em;text-align:right}"
+        "th{border-bottom:1px solid}</style></head>\n"
+        f"<body><h1>{escape(model.name)}</h1>\n<p>{escape(model.description)}</p>\n{mass}"
+        f"<p>Reduced modal model of {len(model.lam)} modes, damping &alpha; = {model.alpha:g} 1/s, "
+        f"&beta; = {model.beta:g} s. Each mode advances by the analytic solution of its equation of motion, "
+        "exact for a force held constant over the step, at any step size.</p>\n"
+        f"<h2>Ports</h2>\n{_table(['port', 'inputs', 'outputs'], ports)}"
+        f"<h2>Modes</h2>\n{_table(head, rows)}</body></html>\n"
+    )
+
+
+def _table(head: list[str], rows: list[list[str]]) -> str:
+    lines = ["<table><tr>" + "".join(f"<th>{escape(cell)}</th>" for cell in head) + "</tr>"]
+    lines += ["<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows]
+    return "\n".join(lines) + "</table>\n"

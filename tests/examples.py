@@ -1,0 +1,115 @@
+"""Reduced models of a few modes for the tests of the FMU, and FMPy in a process of its own."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from fmu_src.runtime.model import Port, ReducedModel
+
+
+def oscillator(
+    name: str = "oscillator",
+    stiffness: float = 400.0,
+    mass: float = 1.0,
+    damping: float = 0.4,
+    **changes: object,
+) -> ReducedModel:
+    """One spring, one mass, one port: mass-normalised, so B = C = 1/√m."""
+    shape = np.full((1, 1), mass**-0.5)
+    outputs = ("displacement.x", "velocity.x", "acceleration.x")
+    given = {
+        "name": name,
+        "description": "one spring, one mass",
+        "lam": np.array([stiffness / mass]),
+        "alpha": damping / mass,
+        "beta": 0.0,
+        "D_rest": np.zeros((1, 1)),
+        "B": shape,
+        "C": np.repeat(shape, 3, axis=0),
+        "ports": (Port("tip", ("force.x",), outputs),),
+    }
+    return ReducedModel(**{**given, **changes})  # type: ignore[arg-type]  # a table of keyword arguments
+
+
+def two_ports(name: str = "two_ports", **changes: object) -> ReducedModel:
+    """Six modes of every kind (two rigid) between two ports."""
+    lam = np.array([0.0, 0.0, 30.0, 30.0, 400.0, 9000.0])
+    rng = np.random.default_rng(7)
+    given = {
+        "name": name,
+        "description": "six modes & two ports <test>",
+        "lam": lam,
+        "alpha": 0.3,
+        "beta": 1e-3,
+        "D_rest": np.diag([0.0, 0.1, 0.0, 0.5, 0.0, 300.0]),
+        "B": rng.standard_normal((6, 3)),
+        "C": rng.standard_normal((5, 6)),
+        "ports": (
+            Port("left", ("force.x", "force.z"), ("displacement.x", "velocity.z", "acceleration.z")),
+            Port("right", ("force.y",), ("acceleration.y", "displacement.y")),
+        ),
+    }
+    return ReducedModel(**{**given, **changes})  # type: ignore[arg-type]  # a table of keyword arguments
+
+
+def run_master(script: str, *arguments: object, cwd: Path) -> str:
+    """Run a master in a process of its own that sees installed packages only, no folder of ours."""
+    done = subprocess.run(
+        [sys.executable, "-I", "-c", script, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+PRELUDE = '''
+import json, sys
+import numpy as np
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE, fmi2CallbackAllocateMemoryTYPE
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import fmi2CallbackFreeMemoryTYPE, calloc, free
+LOG = []
+@fmi2CallbackLoggerTYPE
+def logger(environment, instance, status, category, message):
+    LOG.append((status, message.decode()))
+CALLBACKS = fmi2CallbackFunctions(
+    logger, fmi2CallbackAllocateMemoryTYPE(calloc), fmi2CallbackFreeMemoryTYPE(free))
+
+class Part:
+    """An instance with its variables by name."""
+    def __init__(self, path, name="one", folder=None):
+        self.description = read_model_description(path)
+        self.folder = folder or extract(path)
+        self.vr = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.fmu = FMU2Slave(guid=self.description.guid, unzipDirectory=self.folder,
+                             modelIdentifier=self.description.coSimulation.modelIdentifier, instanceName=name)
+        self.fmu.instantiate(callbacks=CALLBACKS, loggingOn=True)
+        self.fmu.setupExperiment(startTime=0.0)
+    def initialise(self, **start):
+        self.fmu.enterInitializationMode()
+        for name, value in start.items():
+            self.set(name.replace("__", "."), value)
+        self.fmu.exitInitializationMode()
+        return self
+    def set(self, name, value):
+        self.fmu.setReal([self.vr[name]], [value])
+    def get(self, *names):
+        return np.array(self.fmu.getReal([self.vr[n] for n in names]))
+    def everything(self):
+        return self.get(*[v.name for v in self.description.modelVariables if v.type == "Real"])
+    def status(self, t, h):
+        """2 is fmi2Discard; FMPy turns everything but OK and Warning into an exception."""
+        try:
+            self.step(t, h)
+        except FMICallException as error:
+            return error.status
+        return 0
+    def step(self, t, h):
+        self.fmu.doStep(currentCommunicationPoint=t, communicationStepSize=h)
+'''

@@ -1,0 +1,137 @@
+"""The seam: what is written is what is read, and nothing damaged is used."""
+
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from examples import two_ports
+
+from fmu_src.runtime.errors import ModelError
+from fmu_src.runtime.model import Port, ReducedModel
+from fmu_src.runtime.resources import read_model, write_model
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name, content in write_model(two_ports()).items():
+        (tmp_path / name).write_bytes(content)
+    return tmp_path
+
+
+def test_round_trip_is_exact(folder: Path) -> None:
+    model, back = two_ports(), read_model(folder)
+    for key in ("lam", "D_rest", "B", "C"):
+        np.testing.assert_array_equal(getattr(back, key), getattr(model, key))
+    for key in ("name", "description", "alpha", "beta", "ports", "initial"):
+        assert getattr(back, key) == getattr(model, key)
+
+
+def test_anyone_can_open_the_arrays(folder: Path) -> None:
+    lam = np.load(folder / "lam.npy", allow_pickle=False)
+    assert lam.dtype.str == "<f8"
+    np.testing.assert_array_equal(lam, two_ports().lam)
+
+
+@pytest.mark.parametrize("name", ["model.json", "lam.npy", "B.npy", "C.npy", "D_rest.npy"])
+def test_missing_and_cut_files(folder: Path, name: str) -> None:
+    content = (folder / name).read_bytes()
+    (folder / name).write_bytes(content[: len(content) // 2])
+    with pytest.raises(ModelError, match=name.split(".")[0]):
+        read_model(folder)
+    (folder / name).unlink()
+    with pytest.raises(ModelError, match="cannot be read"):
+        read_model(folder)
+
+
+def test_flipped_byte(folder: Path) -> None:
+    content = bytearray((folder / "B.npy").read_bytes())
+    content[-3] ^= 1
+    (folder / "B.npy").write_bytes(bytes(content))
+    with pytest.raises(ModelError, match=r"B\.npy: its checksum"):
+        read_model(folder)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("schema", 99),
+        ("name", 7),
+        ("name", "two words"),
+        ("alpha", "x"),
+        ("alpha", -1.0),
+        ("beta", float("nan")),
+        ("initial", "moving"),
+        ("initial", "static"),
+        ("ports", 3),
+        ("ports", [{"name": "a", "inputs": ["force.w"], "outputs": []}]),
+        ("ports", []),
+        ("arrays", {}),
+    ],
+)
+def test_header_that_does_not_fit(folder: Path, key: str, value: object) -> None:
+    header = json.loads((folder / "model.json").read_text())
+    header[key] = value
+    (folder / "model.json").write_text(json.dumps(header))
+    with pytest.raises(ModelError) as caught:
+        read_model(folder)
+    assert "\n" not in str(caught.value)
+
+
+def test_pickled_array_is_refused(folder: Path) -> None:
+    import hashlib
+
+    buffer = io.BytesIO()
+    np.save(buffer, np.array([{"a": 1}], dtype=object), allow_pickle=True)
+    (folder / "lam.npy").write_bytes(buffer.getvalue())
+    header = json.loads((folder / "model.json").read_text())
+    header["arrays"]["lam"]["sha256"] = hashlib.sha256(buffer.getvalue()).hexdigest()
+    (folder / "model.json").write_text(json.dumps(header))
+    with pytest.raises(ModelError, match=r"model\.json"):
+        read_model(folder)
+
+
+def build(**changes: object) -> ReducedModel:
+    r = 2
+    given = {
+        "name": "part",
+        "description": "",
+        "lam": np.array([0.0, 4.0]),
+        "alpha": 0.0,
+        "beta": 0.0,
+        "D_rest": np.zeros((r, r)),
+        "B": np.ones((r, 1)),
+        "C": np.ones((1, r)),
+        "ports": (Port("tip", ("force.x",), ("displacement.x",)),),
+    }
+    return ReducedModel(**{**given, **changes})  # type: ignore[arg-type]  # wrong types are the point
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"B": np.ones((2, 2))}, "B: got"),
+        ({"C": np.ones((2, 2))}, "C: got"),
+        ({"lam": np.array([4.0, 0.0])}, "ascending"),
+        ({"lam": np.array([-1e-3, 4.0])}, "≥ 0"),
+        ({"lam": np.array([0.0, np.nan])}, "finite"),
+        ({"D_rest": np.ones((2, 2))}, "diagonal"),
+        ({"initial": "static"}, "rigid"),
+        ({"name": "1st"}, "identifier"),
+        (
+            {"ports": (Port("tip", ("force.x", "force.x"), ("displacement.x",)),), "B": np.ones((2, 2))},
+            "twice",
+        ),
+        ({"ports": (Port("tip", ("heat",), ("displacement.x",)),)}, "heat"),
+    ],
+)
+def test_inconsistent_models_are_refused(changes: dict[str, object], message: str) -> None:
+    with pytest.raises(ModelError, match=message):
+        build(**changes)
+    build()
+
+
+def test_damping_ratio_has_no_nan() -> None:
+    model = build()
+    np.testing.assert_allclose(model.damping_ratio(0.4, 0.1), [0.0, (0.4 + 0.4) / 4], rtol=1e-15)
