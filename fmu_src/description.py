@@ -189,7 +189,8 @@ def _initial_dependencies(
 def _is_acceleration(model: ReducedModel, place: Layout, unknown: int) -> bool:
     """Whether the unknown is v̇ or C q̈."""
     if unknown in range(place.outputs.start, place.outputs.stop):
-        return model.outputs[unknown - place.outputs.start].split(".")[1] == "acceleration"
+        name = model.outputs[unknown - place.outputs.start]
+        return str(name.split(".")[1]) == "acceleration"
     return unknown in range(place.v_dot.start, place.v_dot.stop)
 
 

@@ -68,7 +68,7 @@ def _payload(model: ReducedModel) -> dict[str, bytes]:
         _write(folder / "model", arrays)
         entry = folder / f"{module}_fmu.py"
         entry.write_text(
-            f"from {module}.slave import ModalSlave, keep\n\nkeep(globals())\n\n\n"
+            f"from {module}.host import keep\nfrom {module}.slave import ModalSlave\n\nkeep(globals())\n\n\n"
             f'class Part(ModalSlave):\n    """The reduced model of {model.name}."""\n'
         )
         raw = folder / "raw.fmu"

@@ -96,11 +96,15 @@ class ReducedModel:
         return alpha + beta * self.lam + np.diag(self.D_rest)
 
     def damping_ratio(self, alpha: float, beta: float) -> Floats:
-        """ζᵢ = dᵢ/(2ωᵢ), (r,); 0 for rigid modes."""
-        omega = np.sqrt(self.lam)
-        elastic = omega > 0
-        ratio = self.damping(alpha, beta) / (2 * np.where(elastic, omega, 1.0))
-        return np.where(elastic, ratio, 0.0)
+        """ζᵢ for these α, β, (r,); 0 for rigid modes."""
+        return damping_ratio(self.lam, self.damping(alpha, beta))
+
+
+def damping_ratio(lam: Floats, d: Floats) -> Floats:
+    """ζᵢ = dᵢ/(2ωᵢ), and 0 for rigid modes, which have no ratio; lam, d and the result (r,)."""
+    omega = np.sqrt(lam)
+    zeta: Floats = np.divide(d, 2 * omega, out=np.zeros_like(omega), where=omega > 0)
+    return zeta
 
 
 def _check_names(model: ReducedModel) -> None:

@@ -13,19 +13,9 @@ from typing import Any
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
+from .host import release_interpreter
 from .instance import Instance
 from .resources import read_model
-
-_kept: list[dict[str, Any]] = []
-
-
-def keep(namespace: dict[str, Any]) -> None:
-    """Hold one more reference to the entry module's namespace.
-
-    pythonfmu 0.7.0 runs the entry module's text at every instantiation and then gives back a reference
-    to its namespace that it never took; the second instance would find the module emptied.
-    """
-    _kept.append(namespace)
 
 
 class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
@@ -35,6 +25,7 @@ class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
         super().__init__(**kwargs)
         model = read_model(Path(self.resources) / "model")
         self.modelName = model.name
+        release_interpreter(Path(self.resources), model.name)
         self._instance = Instance(model)
         place = self._instance.layout
         self._read_only = {*range(place.outputs.start, place.outputs.stop)}

@@ -1,0 +1,1 @@
+"""Off-line stage: part.toml → Part → Mesh → System(K, M) → Modes → ReducedModel → FMU."""

@@ -1,0 +1,33 @@
+"""Exceptions of the off-line stage; every message is one line that says how to mend the mistake."""
+
+from fmu_src.runtime.errors import ModalFmuError, ModelError
+
+__all__ = [
+    "EigenError",
+    "MeshError",
+    "ModalFmuError",
+    "ModelError",
+    "PartError",
+    "SelectionError",
+    "ZeroEnergyError",
+]
+
+
+class PartError(ModalFmuError):
+    """The part file is not valid."""
+
+
+class MeshError(ModalFmuError):
+    """A mesh file cannot be read, or its cells cannot be integrated."""
+
+
+class SelectionError(ModalFmuError):
+    """A selection matches nothing, or not what it must."""
+
+
+class EigenError(ModalFmuError):
+    """The modes asked for cannot be computed."""
+
+
+class ZeroEnergyError(EigenError):
+    """Motions without strain energy beyond the rigid motions of the whole body."""
