@@ -44,6 +44,9 @@ class Instance:
 
     def _damp(self) -> None:
         """Take up new α, β: the step coefficients of earlier ones no longer hold."""
+        place, y = self.layout, self._reals
+        y[place.alpha], y[place.beta] = self.alpha, self.beta
+        y[place.damping_ratio] = self.model.damping_ratio(self.alpha, self.beta)
         lam, d = self.model.lam, self.model.damping(self.alpha, self.beta)
 
         @lru_cache(maxsize=KEPT_STEP_SIZES)
@@ -128,8 +131,6 @@ class Instance:
         for (kind, rows), motion in zip(self._rows.items(), motions, strict=True):
             if len(rows):
                 outputs[rows] = self._C[kind] @ motion
-        y[place.alpha], y[place.beta] = self.alpha, self.beta
-        y[place.damping_ratio] = model.damping_ratio(self.alpha, self.beta)
         y[place.q], y[place.v] = self.state.q, self.state.v
         y[place.q_dot], y[place.v_dot] = self.state.v, a
         self._stale = False

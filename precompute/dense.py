@@ -1,0 +1,45 @@
+"""All elastic modes of a small pencil at once."""
+
+import numpy as np
+from scipy.linalg import eigh, qr
+
+from .arrays import Floats
+from .errors import EigenError
+from .lanczos import check_memory
+from .pencil import Pairs, Pencil
+
+ARRAYS = 8  # of n × n doubles at the peak
+
+
+def dense_modes(pencil: Pencil) -> Pairs:
+    """ZᵀKZ x = λ ZᵀMZ x, φ = Z x, with Z a basis of what is M-orthogonal to the rigid modes.
+
+    Gives all n − k − b elastic pairs for k rigid modes and b DOFs without mass.
+    Raises EigenError: more memory than 8 GB, M not positive definite, DOFs without mass and stiffness.
+    """
+    n = pencil.K.shape[0]
+    check_memory(8 * ARRAYS * n**2, n, n)
+    T = _with_mass(pencil)
+    rigid = T.T @ (pencil.M @ pencil.rigid)
+    Z = T @ qr(rigid)[0][:, rigid.shape[1] :] if rigid.shape[1] else T
+    try:
+        lam, X = eigh(Z.T @ (pencil.K @ Z), Z.T @ (pencil.M @ Z))
+    except np.linalg.LinAlgError as error:
+        raise EigenError("M: got an indefinite mass matrix, expected a positive definite one") from error
+    return Pairs(lam, Z @ X, "dense, LAPACK")
+
+
+def _with_mass(pencil: Pencil) -> Floats:
+    """T (n, n − b): DOFs without mass follow the others statically, u_b = −K_bb⁻¹ K_ba u_a, which is exact."""
+    massless = pencil.M.diagonal() == 0
+    T = np.zeros((len(massless), int(np.sum(~massless))))
+    T[~massless] = np.eye(T.shape[1])
+    if massless.any():
+        K_b = pencil.K[np.flatnonzero(massless)].toarray()
+        try:
+            T[massless] = -np.linalg.solve(K_b[:, massless], K_b[:, ~massless])
+        except np.linalg.LinAlgError as error:
+            raise EigenError(
+                "K: got DOFs without mass that nothing holds; give them mass or stiffness"
+            ) from error
+    return T

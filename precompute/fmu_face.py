@@ -1,0 +1,139 @@
+"""What an FMU says of itself: its variables, checked against what the user names."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile, ZipFile
+
+import fmpy
+
+from .errors import ModalFmuError
+
+NUMBERS = ("Real", "Integer", "Boolean", "Enumeration")
+
+
+@dataclass(frozen=True)
+class Face:
+    """The FMI 2.0 co-simulation face of an FMU.
+
+    description: FMPy's ModelDescription; variables: name → FMPy's ScalarVariable, numbers only;
+    stop, step: of the DefaultExperiment in s, None where it has none.
+    """
+
+    path: Path
+    description: Any
+    variables: Mapping[str, Any]
+    start: float
+    stop: float | None
+    step: float | None
+
+    @property
+    def inputs(self) -> list[str]:
+        """Names of the inputs."""
+        return [name for name, v in self.variables.items() if v.causality == "input"]
+
+    @property
+    def outputs(self) -> list[str]:
+        """Names of the outputs."""
+        return [name for name, v in self.variables.items() if v.causality == "output"]
+
+    @property
+    def amplitudes(self) -> list[str]:
+        """modes.amplitude[1], modes.amplitude[2], …: q of the deformed shape; none where it is not ours."""
+        names = [f"modes.amplitude[{i}]" for i in range(1, len(self.variables) + 1)]
+        return [name for name in names if name in self.variables]
+
+    def unit(self, name: str) -> str:
+        """The unit of a variable, empty where it has none."""
+        return self.variables[name].unit or ""
+
+
+def read_face(path: Path) -> Face:
+    """Raises ModalFmuError, beginning with the file's name: no such file, no FMU, one that is not
+    FMI 2.0 co-simulation or has no binary for this platform.
+    """
+    try:
+        with ZipFile(path) as archive:
+            archive.getinfo("modelDescription.xml")
+        description = fmpy.read_model_description(str(path), validate=False)
+        platforms = fmpy.supported_platforms(str(path))
+    except OSError as error:
+        raise ModalFmuError(f"{path}: cannot be read ({error.strerror or error})") from None
+    except (BadZipFile, KeyError):
+        raise ModalFmuError(f"{path}: got no FMU (a zip with modelDescription.xml); is it whole?") from None
+    except Exception as error:  # FMPy and its XML reader raise anything on a damaged description
+        raise ModalFmuError(f"{path}: its modelDescription.xml cannot be read ({error})") from None
+    if description.fmiVersion != "2.0" or description.coSimulation is None:
+        kind = "co-simulation" if description.coSimulation else "model exchange"
+        raise ModalFmuError(f"{path}: got FMI {description.fmiVersion} {kind}, expected FMI 2.0 co-simulation")
+    if fmpy.platform not in platforms:
+        raise ModalFmuError(
+            f"{path}: got binaries for {', '.join(platforms) or 'no platform'}, expected {fmpy.platform}"
+        )
+    experiment = description.defaultExperiment
+    start, stop, step = (
+        _number(experiment and getattr(experiment, key)) for key in ("startTime", "stopTime", "stepSize")
+    )
+    variables = {v.name: v for v in description.modelVariables if v.type in NUMBERS}
+    return Face(path, description, variables, start or 0.0, stop, step)
+
+
+def read_settings(settings: Sequence[str], face: Face) -> dict[str, float]:
+    """name=value … → values of inputs, parameters and initial states.
+
+    Raises ModalFmuError: not name=value, an unknown or calculated variable, a value out of its range.
+    """
+    settable = [name for name, v in face.variables.items() if _settable(v)]
+    values: dict[str, float] = {}
+    for setting in settings:
+        name, equals, text = setting.partition("=")
+        name = name.strip()
+        if not equals:
+            raise ModalFmuError(f"--set: got {setting!r}, expected name=value such as {settable[0]}=1.0")
+        if name in face.variables and name not in settable:
+            raise ModalFmuError(f"--set: {name!r} is calculated by the FMU; {_choice(name, settable)}")
+        check_known(f"--set: the FMU has no variable {name!r}", name, settable)
+        values[name] = _checked(text, face.variables[name])
+    return values
+
+
+def check_known(what: str, name: str, known: Iterable[str]) -> None:
+    """Raises ModalFmuError, `what` and the nearest known name, where `name` is not one of them."""
+    known = list(known)
+    if name not in known:
+        raise ModalFmuError(f"{what}; {_choice(name, known)}")
+
+
+def _choice(name: str, known: list[str]) -> str:
+    near = get_close_matches(name, known, n=1, cutoff=0.0)
+    return f"did you mean {near[0]!r}?" if near else "it has none that can be set"
+
+
+def _settable(variable: Any) -> bool:
+    return variable.causality == "input" or (
+        variable.variability != "constant"
+        and variable.initial in ("exact", "approx")
+    )
+
+
+def _checked(text: str, variable: Any) -> float:
+    what = f"--set: {variable.name}: got {text.strip()!r}"
+    try:
+        value = float(text)
+    except ValueError:
+        raise ModalFmuError(f"{what}, expected a number") from None
+    low, high = _number(variable.min), _number(variable.max)
+    if value != value or abs(value) == float("inf"):
+        raise ModalFmuError(f"{what}, expected a finite number")
+    if variable.type != "Real" and value != int(value):
+        raise ModalFmuError(f"{what}, expected a whole number")
+    if (low is not None and value < low) or (high is not None and value > high):
+        bounds = f"from {low:g}" if high is None else f"up to {high:g}" if low is None else f"{low:g} … {high:g}"
+        raise ModalFmuError(f"{what}, expected {bounds}")
+    return value if variable.type == "Real" else int(value)
+
+
+def _number(text: Any) -> float | None:
+    return None if text is None else float(text)
