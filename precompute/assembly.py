@@ -47,7 +47,17 @@ def assemble(
     Raises MeshError: cells in no material or in two, a material without cells, det J ≤ 0 somewhere.
     """
     check_materials(mesh, materials)
-    check_shapes(mesh)
+    # many small products: BLAS threads would cost more than they give
+    with threadpool_limits(limits=1, user_api="blas"):
+        check_shapes(mesh)
+        K, m = _sums(mesh, materials, progress)
+    return System(M=kron_identity(m.symmetric()), K=K.symmetric(), rigid=rigid_motions(mesh.points))
+
+
+def _sums(
+    mesh: Mesh, materials: Sequence[CellMaterial], progress: Callable[[float], None]
+) -> tuple[BlockSums, BlockSums]:
+    """Σ_cells K_ab and Σ_cells m_ab for every pair of nodes that share a cell."""
     n = len(mesh.points)
     blocks = list(_blocks(mesh, materials))
     keys = [pair_keys(block.nodes, n) for block in blocks]
@@ -56,16 +66,14 @@ def assemble(
     del keys
     K = BlockSums(pairs, n, np.zeros((len(pairs), 9)))
     m = BlockSums(pairs, n, np.zeros((len(pairs), 1)))
-    # many small products: BLAS threads would cost more than they give
-    with threadpool_limits(limits=1, user_api="blas"):
-        for number, (block, slot) in enumerate(zip(blocks, np.split(slots, ends[:-1]), strict=True)):
-            upper = is_upper(block.nodes)
-            x = mesh.points[block.nodes]
-            K.add(slot, _stiffness_blocks(block, x)[upper].reshape(-1, 9))
-            m.add(slot, mass(block.family, x, block.material.density)[upper][:, None])
-            if 100 * number // len(blocks) != 100 * (number + 1) // len(blocks):
-                progress((number + 1) / len(blocks))
-    return System(M=kron_identity(m.symmetric()), K=K.symmetric(), rigid=rigid_motions(mesh.points))
+    for number, (block, slot) in enumerate(zip(blocks, np.split(slots, ends[:-1]), strict=True)):
+        upper = is_upper(block.nodes)
+        x = mesh.points[block.nodes]
+        K.add(slot, _stiffness_blocks(block, x)[upper].reshape(-1, 9))
+        m.add(slot, mass(block.family, x, block.material.density)[upper][:, None])
+        if 100 * number // len(blocks) != 100 * (number + 1) // len(blocks):
+            progress((number + 1) / len(blocks))
+    return K, m
 
 
 def _stiffness_blocks(block: _Block, x: Floats) -> Floats:

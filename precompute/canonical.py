@@ -18,8 +18,8 @@ def clusters(lam: Floats) -> list[slice]:
 def canonical_vectors(Phi: Floats) -> Floats:
     """Φ Q with Q orthogonal: the same for any orthonormal basis of one eigenspace, Phi (n, m).
 
-    The DOF that moves most (largest norm of its row, a number that no rotation changes) is the first pivot: the
-    first vector moves it, positively, the others do not. The same again for the others. For m = 1: the
+    The DOF that moves most (largest norm of its row, a number that no rotation changes) is the first pivot:
+    the first vector moves it, positively, the others do not. The same again for the others. For m = 1 the
     largest component is positive.
     """
     Phi = Phi.copy()
@@ -37,6 +37,6 @@ def canonical_vectors(Phi: Floats) -> Floats:
 
 
 def canonical(pairs: Pairs) -> Pairs:
-    """The same eigenspaces, each with its canonical vectors; vectors of equal λ are mixed within 1e-8 of λ."""
+    """The same eigenspaces, each with its canonical vectors; those of λ within 1e-8 are mixed."""
     Phi = np.column_stack([canonical_vectors(pairs.Phi[:, cluster]) for cluster in clusters(pairs.lam)])
     return Pairs(pairs.lam, Phi, pairs.solver)

@@ -34,7 +34,7 @@ def check_materials(mesh: Mesh, materials: Sequence[CellMaterial]) -> None:
     bare = {family: np.flatnonzero(use == 0) for family, use in uses.items()}
     if _count(bare):
         raise MeshError(
-            f"{_count(bare)} cells have no material: {_places(mesh, bare)}{_sets_of(mesh, bare)}; "
+            f"cells without material: {_count(bare)}, first {_places(mesh, bare)}{_sets_of(mesh, bare)}; "
             f"give them one by `cells`, or leave `cells` out of one material to take all the others"
         )
     twice = {family: np.flatnonzero(use > 1) for family, use in uses.items()}
@@ -45,8 +45,8 @@ def check_materials(mesh: Mesh, materials: Sequence[CellMaterial]) -> None:
             if any(np.isin(material.cells.get(family, []), cells).any() for family, cells in twice.items())
         ]
         raise MeshError(
-            f"{_count(twice)} cells have more than one material ({_names(owners)}): {_places(mesh, twice)}"
-            f"{_sets_of(mesh, twice)}; let every cell be in the `cells` of one material only"
+            f"cells in more than one material ({_names(owners)}): {_count(twice)}, first "
+            f"{_places(mesh, twice)}{_sets_of(mesh, twice)}; let every cell be in one material only"
         )
 
 
@@ -55,7 +55,7 @@ def check_shapes(mesh: Mesh) -> None:
     bad = {family: _inverted(mesh.points, nodes, ELEMENTS[family]) for family, nodes in mesh.cells.items()}
     if _count(bad):
         raise MeshError(
-            f"{_count(bad)} cells are inverted or flat, det J ≤ 0 at an integration point: "
+            f"inverted or flat cells (det J ≤ 0 at an integration point): {_count(bad)}, first "
             f"{_places(mesh, bad)}; expected VTK's node order (first face counter-clockwise seen from inside)"
             f" and mid-edge nodes near the middle: reorder the nodes, or mesh curved places finer"
         )

@@ -84,7 +84,8 @@ def parse_elements(keyword: Keyword) -> Elements:
     """The elements of an *ELEMENT.
 
     A solid goes on over as many lines as its nodes need, any other element while its line ends in a comma.
-    Raises MeshError: no type, no element, a solid that cannot be integrated, an element with too few or too many nodes.
+    Raises MeshError: no type, no element, a solid that cannot be integrated, an element with more or fewer
+        nodes than its type has.
     """
     kind = keyword.options.get("TYPE", "").upper()
     if not kind:

@@ -8,11 +8,13 @@ import numpy as np
 
 from .arrays import Floats, Ints
 from .errors import ModalFmuError
+from .notice import notice
 from .output_file import replacing
 from .shape import Shape, deformed_points
 from .vtu_file import write_vtu
 
 FRAMES = 200
+SEEN = 0.05  # of the part's size: a deformation that is easily seen
 
 
 def write_series(
@@ -27,12 +29,15 @@ def write_series(
     """
     if q.shape != (len(time), shape.Phi.shape[2]):
         raise ModalFmuError(
-            f"got modal amplitudes {q.shape}, expected ({len(time)}, {shape.Phi.shape[2]}); build the FMU again"
+            f"got modal amplitudes {q.shape}, expected ({len(time)}, {shape.Phi.shape[2]}); "
+            "build the FMU again"
         )
     Phi = shape.Phi.astype(np.float64)
     chosen = drawn_instants(len(time), frames)
     digits = max(3, len(str(len(chosen) - 1)))
     names = [f"{path.stem}_{k:0{digits}d}.vtu" for k in range(len(chosen))]
+    largest = max(float(np.linalg.norm(Phi @ q[i], axis=1).max()) for i in chosen)
+    _tell_scale(scale, largest, float(np.linalg.norm(np.ptp(shape.points, axis=0))))
     # All frames are made aside, so that a run that fails leaves an older series whole.
     with tempfile.TemporaryDirectory(prefix=f".{path.stem}.", dir=path.parent) as folder:
         for name, i in zip(names, chosen, strict=True):
@@ -56,17 +61,19 @@ def drawn_instants(n: int, frames: int) -> Ints:
     return chosen
 
 
-def largest_displacement(shape: Shape, q: Floats) -> float:
-    """max |Uq| over all points and the drawn instants, m; q: (n, r)."""
-    Phi = shape.Phi.astype(np.float64)
-    return max(
-        float(np.linalg.norm(Phi @ q[i], axis=1).max()) for i in drawn_instants(len(q), FRAMES)
-    )
+def _tell_scale(scale: float, largest: float, size: float) -> None:
+    """A shape that seems not to move is drawn too small: say which scale would show it."""
+    drawn = abs(scale) * largest / size
+    if 0 < drawn < 0.2 * SEEN:
+        notice(
+            f"the largest displacement, {largest:.3g} m, is drawn as {100 * drawn:.2g} % of the part; "
+            f"a scale of {SEEN * size / largest:.1g} would draw {100 * SEEN:g} %"
+        )
 
 
 def _collection(time: Floats, names: list[str]) -> str:
     frames = "".join(
-        f"  <DataSet timestep={quoteattr(repr(float(t)))} part=\"0\" file={quoteattr(name)}/>\n"
+        f'  <DataSet timestep={quoteattr(repr(float(t)))} part="0" file={quoteattr(name)}/>\n'
         for t, name in zip(time, names, strict=True)
     )
     return (

@@ -25,12 +25,12 @@ def dense_modes(pencil: Pencil) -> Pairs:
     try:
         lam, X = eigh(Z.T @ (pencil.K @ Z), Z.T @ (pencil.M @ Z))
     except np.linalg.LinAlgError as error:
-        raise EigenError("M: got an indefinite mass matrix, expected a positive definite one") from error
+        raise EigenError("M: got a negative kinetic energy, expected a positive definite mass matrix") from error
     return Pairs(lam, Z @ X, "dense, LAPACK")
 
 
 def _with_mass(pencil: Pencil) -> Floats:
-    """T (n, n − b): DOFs without mass follow the others statically, u_b = −K_bb⁻¹ K_ba u_a, which is exact."""
+    """T (n, n − b): DOFs without mass follow the others statically, u_b = −K_bb⁻¹ K_ba u_a, exactly."""
     massless = pencil.M.diagonal() == 0
     T = np.zeros((len(massless), int(np.sum(~massless))))
     T[~massless] = np.eye(T.shape[1])

@@ -32,8 +32,8 @@ Say = Callable[[str], None]
 class Modes:
     """K φᵢ = λᵢ M φᵢ, ΦᵀMΦ = I [2.23].
 
-    lam: (r,) in 1/s², ascending, exactly 0 for the `rigid` first ones; Phi: (n, r) in kg^-1/2 over all DOFs, 0 at the
-    fixed ones; solver: what ran, in human words.
+    lam: (r,) in 1/s², ascending, exactly 0 for the `rigid` first ones; Phi: (n, r) in kg^-1/2 over all DOFs,
+    0 at the fixed ones; solver: what ran, in human words.
     """
 
     lam: Floats
@@ -65,13 +65,14 @@ def solve_modes(
 
     count: how many, rigid ones included; or max_frequency in Hz: all with f ≤ max_frequency.
     where: DOF → its place, for messages; progress: is told what is going on.
-    Raises EigenError: not exactly one of the two, more modes than free DOFs, none up to max_frequency, no convergence,
-    modes that cannot be found, memory, solver not installed. ZeroEnergyError: loose pieces, hinges, DOFs without
-    stiffness.
+    Raises EigenError: not exactly one of the two, more modes than free DOFs, none up to max_frequency, modes
+    that do not converge or cannot be found, memory, solver not installed. ZeroEnergyError: loose pieces,
+    hinges, DOFs without stiffness.
     """
     held = _held(system, fixed)
     free = np.flatnonzero(~held)
     _check_request(count, max_frequency, len(free))
+    _check_matrices(system, where)
     refuse_dofs_without_stiffness(system.K, ~held, where)
     rigid = rigid_modes(system, np.flatnonzero(held))
     refuse_loose_pieces(system, held, rigid.shape[1], where)
@@ -99,14 +100,12 @@ def solve_modes(
 
 
 def _elastic_modes(pencil: Pencil, wanted: int, ceiling: float, solver: Solver, say: Say) -> Pairs:
-    """At least `wanted` elastic pairs and all with λ ≤ ceiling, by Lanczos or, where that is no saving, all at once."""
+    """At least `wanted` elastic pairs and all with λ ≤ ceiling: by Lanczos, small systems all at once."""
     n = pencil.K.shape[0]
     if pencil.elastic == 0:
         return nothing(pencil)
     if n > LARGE and choose(solver) == "superlu":
-        notice(
-            f'{n} free DOFs with SuperLU: pip install "modalfmu[fast]" brings PARDISO, which is much faster here'
-        )
+        notice(f'{n} free DOFs with SuperLU: pip install "modalfmu[fast]" brings PARDISO, which is faster')
     with factoriser(solver) as factorise:
 
         @cache
@@ -158,6 +157,15 @@ def _check_request(count: int | None, max_frequency: float | None, free: int) ->
         raise EigenError(f"count: got {count}, the part has {free} free DOFs; expected 1 to {free}")
     if max_frequency is not None and not 0 < max_frequency < np.inf:
         raise EigenError(f"max_frequency: got {max_frequency}, expected a positive number of Hz")
+
+
+def _check_matrices(system: System, where: Where) -> None:
+    for name, A in (("K", system.K), ("M", system.M)):
+        if not np.all(np.isfinite(A.data)):
+            raise EigenError(f"{name}: got NaN or infinite entries, expected finite ones; check the materials")
+        if np.any(A.diagonal() < 0):
+            first = int(np.argmax(A.diagonal() < 0))
+            raise EigenError(f"{name}: got a negative diagonal entry, first {where(first)}; expected none")
 
 
 def _pencil(system: System, free: Ints, rigid: Floats) -> Pencil:

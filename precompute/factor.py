@@ -48,7 +48,7 @@ class SuperLU:
         return x
 
     def negative_pivots(self) -> int | None:
-        """The negative entries of D = diag(U); none where a pivot left the diagonal or the factor is inaccurate."""
+        """The negative entries of D = diag(U); none where a pivot left the diagonal or accuracy was lost."""
         if not np.array_equal(self.lu.perm_r, self.lu.perm_c) or 12 * self.lu.nnz > COPY_BYTES:
             return None
         x = np.ones(self.A.shape[0])

@@ -1,5 +1,6 @@
 """What an FMU says of itself: its variables, checked against what the user names."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -63,11 +64,13 @@ def read_face(path: Path) -> Face:
         raise ModalFmuError(f"{path}: cannot be read ({error.strerror or error})") from None
     except (BadZipFile, KeyError):
         raise ModalFmuError(f"{path}: got no FMU (a zip with modelDescription.xml); is it whole?") from None
-    except Exception as error:  # FMPy and its XML reader raise anything on a damaged description
+    except Exception as error:  # noqa: BLE001  FMPy and its XML reader raise anything on a damaged description
         raise ModalFmuError(f"{path}: its modelDescription.xml cannot be read ({error})") from None
     if description.fmiVersion != "2.0" or description.coSimulation is None:
         kind = "co-simulation" if description.coSimulation else "model exchange"
-        raise ModalFmuError(f"{path}: got FMI {description.fmiVersion} {kind}, expected FMI 2.0 co-simulation")
+        raise ModalFmuError(
+            f"{path}: got FMI {description.fmiVersion} {kind}, expected FMI 2.0 co-simulation"
+        )
     if fmpy.platform not in platforms:
         raise ModalFmuError(
             f"{path}: got binaries for {', '.join(platforms) or 'no platform'}, expected {fmpy.platform}"
@@ -91,7 +94,7 @@ def read_settings(settings: Sequence[str], face: Face) -> dict[str, float]:
         name, equals, text = setting.partition("=")
         name = name.strip()
         if not equals:
-            raise ModalFmuError(f"--set: got {setting!r}, expected name=value such as {settable[0]}=1.0")
+            raise ModalFmuError(f"--set: got {setting!r}, expected name=value")
         if name in face.variables and name not in settable:
             raise ModalFmuError(f"--set: {name!r} is calculated by the FMU; {_choice(name, settable)}")
         check_known(f"--set: the FMU has no variable {name!r}", name, settable)
@@ -113,8 +116,7 @@ def _choice(name: str, known: list[str]) -> str:
 
 def _settable(variable: Any) -> bool:
     return variable.causality == "input" or (
-        variable.variability != "constant"
-        and variable.initial in ("exact", "approx")
+        variable.variability != "constant" and variable.initial in ("exact", "approx")
     )
 
 
@@ -125,13 +127,14 @@ def _checked(text: str, variable: Any) -> float:
     except ValueError:
         raise ModalFmuError(f"{what}, expected a number") from None
     low, high = _number(variable.min), _number(variable.max)
-    if value != value or abs(value) == float("inf"):
+    if not math.isfinite(value):
         raise ModalFmuError(f"{what}, expected a finite number")
     if variable.type != "Real" and value != int(value):
         raise ModalFmuError(f"{what}, expected a whole number")
-    if (low is not None and value < low) or (high is not None and value > high):
-        bounds = f"from {low:g}" if high is None else f"up to {high:g}" if low is None else f"{low:g} … {high:g}"
-        raise ModalFmuError(f"{what}, expected {bounds}")
+    if low is not None and value < low:
+        raise ModalFmuError(f"{what}, expected at least {low:g}")
+    if high is not None and value > high:
+        raise ModalFmuError(f"{what}, expected at most {high:g}")
     return value if variable.type == "Real" else int(value)
 
 

@@ -32,6 +32,15 @@ def check_writable(path: Path) -> None:
         raise ModalFmuError(f"{path}: cannot be written ({error.strerror}); choose another place") from None
 
 
+def check_ending(option: str, path: Path, *endings: str) -> None:
+    """Raises ModalFmuError where `path`, given to `option`, has none of the endings or cannot be written."""
+    if path.suffix.lower() not in endings:
+        raise ModalFmuError(
+            f"{option}: got {path.name}, expected a file name ending in {' or '.join(endings)}"
+        )
+    check_writable(path)
+
+
 def fmu_path(name: str, output: Path | None) -> Path:
     """Where the FMU of the part `name` goes: `output`, or NAME.fmu in the folder `output` (left out: here).
 

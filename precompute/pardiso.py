@@ -34,8 +34,9 @@ class Pardiso:
     name = "PARDISO"
 
     def __init__(self) -> None:
-        mkl = library()
-        self._call = mkl["pardiso"]  # a function object of our own: pypardiso gives argument types to its
+        self._call = library()[
+            "pardiso"
+        ]  # a function object of our own: pypardiso gives argument types to its
         self._handle = np.zeros(64, dtype=np.int64)
         self._iparm = np.zeros(64, dtype=np.int32)
         self._iparm[0] = 1  # nothing by default
@@ -44,8 +45,7 @@ class Pardiso:
             30  # perturb pivots below 1e-30 ‖A‖ only: soft modes of slender parts give small ones
         )
         self._iparm[20] = 1  # Bunch–Kaufman pivots, 1×1 and 2×2
-        self._iparm[23] = 1  # two-level parallel factorisation: the same bits from run to run …
-        self._iparm[33] = mkl.mkl_get_max_threads()  # … with this many threads
+        self._iparm[23] = 1  # two-level factorisation: the same bits from run to run, the classic one differs
         self._values = np.zeros(0)
         self._starts = np.zeros(0, dtype=np.int32)
         self._columns = np.zeros(0, dtype=np.int32)

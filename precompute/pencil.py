@@ -7,6 +7,7 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
 from .arrays import Floats
+from .errors import EigenError
 
 SHIFT = 1e4  # · λ_ε: K − σM stays positive definite whatever rounding does, and all modes stay apart
 
@@ -15,7 +16,8 @@ SHIFT = 1e4  # · λ_ε: K − σM stays positive definite whatever rounding doe
 class Pencil:
     """K φ = λ M φ on the M-orthogonal complement of the rigid modes.
 
-    K, M: (n, n) in N/m and kg; rigid: (n, k), M-orthonormal; noise: λ_ε in 1/s², what rounding makes of λ = 0.
+    K, M: (n, n) in N/m and kg; rigid: (n, k), M-orthonormal; noise: λ_ε in 1/s², which is what rounding
+    makes of λ = 0.
     """
 
     K: csr_array
@@ -36,7 +38,7 @@ class Pencil:
     @property
     def elastic(self) -> int:
         """How many elastic modes there are: DOFs with mass, less the rigid modes."""
-        return int(np.count_nonzero(self.M.diagonal())) - self.rigid.shape[1]
+        return int(np.count_nonzero(self.M.diagonal())) - int(self.rigid.shape[1])
 
     def shifted(self, s: float) -> csr_array:
         """K − sM."""
@@ -62,7 +64,13 @@ def nothing(pencil: Pencil) -> Pairs:
 
 
 def rayleigh_ritz(pencil: Pencil, V: Floats, solver: str) -> Pairs:
-    """VᵀKV x = λ VᵀMV x, φ = V x: the best pairs in span(V), V (n, k) of full rank and near M-orthonormal."""
+    """VᵀKV x = λ VᵀMV x, φ = V x: the best pairs in span(V), V (n, k) of full rank.
+
+    Raises EigenError: M is not positive definite.
+    """
     V = V - pencil.rigid @ (pencil.rigid.T @ (pencil.M @ V))
-    lam, X = eigh(V.T @ (pencil.K @ V), V.T @ (pencil.M @ V))
+    try:
+        lam, X = eigh(V.T @ (pencil.K @ V), V.T @ (pencil.M @ V))
+    except np.linalg.LinAlgError as error:
+        raise EigenError("M: got a negative kinetic energy, expected a positive definite mass matrix") from error
     return Pairs(lam, np.asfortranarray(V @ X), solver)

@@ -23,10 +23,11 @@ class Panel:
     held: bool
 
 
-def write_plot(path: Path, simulation: Simulation) -> None:
-    """A .png file (or what else matplotlib knows by the ending: .pdf, .svg)."""
+def write_plot(path: Path, simulation: Simulation) -> Path:
+    """A .png file (or what else matplotlib knows by the ending: .pdf, .svg); gives its path."""
     with replacing(path) as aside:
         figure(simulation).savefig(aside, dpi=130)
+    return path
 
 
 def figure(simulation: Simulation) -> Figure:
@@ -50,6 +51,7 @@ def figure(simulation: Simulation) -> Figure:
         axes.ticklabel_format(axis="both", scilimits=(-3, 4), useMathText=True)
         axes.grid(alpha=0.3)
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), fontsize="small", frameon=False)
+    figure.align_ylabels(all_axes)
     all_axes[-1].set_xlabel("time / s")
     all_axes[-1].set_xlim(simulation.time[0], simulation.time[-1])
     description = simulation.face.description

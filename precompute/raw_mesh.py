@@ -79,16 +79,16 @@ def solid_mesh(raw: RawMesh, metres: float) -> Mesh:
     boundaries: dict[str, Ints] = {}
     for name, members in raw.sets.items():
         solids: dict[str, list[Ints]] = {}
-        nodes: list[Ints] = []
+        nodes = [np.zeros(0, np.int64)]
         for number, rows in members.items():
             block = raw.blocks[number]
-            if block.kind in FAMILIES:
+            if number in offsets:
                 solids.setdefault(block.kind, []).append(rows + offsets[number])
             else:
                 nodes.append(block.nodes[rows].ravel())
         if solids:
             cell_sets[name] = {family: np.unique(np.concatenate(rows)) for family, rows in solids.items()}
-        if nodes:
+        if len(nodes) > 1 or not solids:
             boundaries[name] = np.concatenate(nodes)
     return Mesh(
         points=raw.points[used] * metres,
@@ -113,7 +113,7 @@ def _refuse(blocks: Sequence[Block]) -> None:
 
 
 def _families(blocks: Sequence[Block]) -> tuple[dict[str, Ints], dict[int, int]]:
-    """family → all its cells; block number → row of its first cell among them."""
+    """family → all its cells; number of a block of solids → row of its first cell among them."""
     parts: dict[str, list[Ints]] = {}
     offsets: dict[int, int] = {}
     for number, block in enumerate(blocks):

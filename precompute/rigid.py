@@ -63,7 +63,7 @@ def _m_orthonormal(Y: Floats, M: csr_array) -> Floats:
     for y in Y.T:
         whole = np.sqrt(y @ (M @ y))
         for _ in range(2):
-            y = y - basis @ (basis.T @ (M @ y))  # noqa: PLW2901  # the same vector, less what the basis has
+            y = y - basis @ (basis.T @ (M @ y))
         norm = np.sqrt(y @ (M @ y))
         if norm > HELD * whole:
             basis = np.column_stack([basis, y / norm])

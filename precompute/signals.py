@@ -38,7 +38,8 @@ def read_signals(path: Path, face: Face) -> NDArray[Any]:
     if back.size:
         before, after = table[back[0] : back[0] + 2, 0]
         raise ModalFmuError(
-            f"{path.name}: line {body[back[0] + 1][0]}: time goes back from {before:g} to {after:g}; sort the rows"
+            f"{path.name}: line {body[back[0] + 1][0]}: time goes back from {before:g} to {after:g}; "
+            "sort the rows"
         )
     return signals_of(names, table)
 

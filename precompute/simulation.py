@@ -4,7 +4,6 @@ import math
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import fmpy
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from .arrays import Floats
 from .errors import ModalFmuError
 from .fmu_face import Face
+from .interrupt import deferred_interrupt
 from .notice import notice, warning
 from .signals import signals_of
 
@@ -67,6 +67,7 @@ def simulate(
 
     def step_finished(time: float, _: object) -> bool:
         nonlocal reached
+        check_interrupt()
         if time <= reached:
             raise ModalFmuError(_refusal(face, reached, log, "the step was discarded"))
         reached = time
@@ -74,7 +75,10 @@ def simulate(
         return True
 
     amplitudes = face.amplitudes if record_modes else []
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+    with (
+        tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder,
+        deferred_interrupt() as check_interrupt,
+    ):
         try:
             fmpy.extract(str(face.path), folder)
             result = fmpy.simulate_fmu(
@@ -96,6 +100,8 @@ def simulate(
             raise
         except Exception as error:  # noqa: BLE001  FMPy raises bare Exception
             raise ModalFmuError(_refusal(face, reached, log, str(error))) from None
+    if reached < stop and not math.isclose(reached, stop):
+        raise ModalFmuError(_refusal(face, reached, log, "the FMU asked to stop"))
     for message in dict.fromkeys(text for status, text in log if status >= STATUS_WARNING):
         warning(f"{face.path.name}: {message}")
     q = np.array([result[name] for name in amplitudes]).reshape(len(amplitudes), len(result)).T
@@ -110,14 +116,16 @@ def _experiment(face: Face, stop: float | None, step: float | None) -> tuple[flo
     h = step if step is not None else min(face.step or (end - face.start) / 1000, end - face.start)
     if not (math.isfinite(h) and h > 0):
         raise ModalFmuError(f"--step: got {h:g} s, expected a finite step size > 0")
-    if (end - face.start) / h > LIMIT:
-        if step is not None:
-            raise ModalFmuError(
-                f"--step: got {h:g} s, {(end - face.start) / h:.3g} steps, expected at most {LIMIT:.0e}; take a larger one"
-            )
-    if step is None and (end - face.start) / h > MANY:
-        own, h = h, h * math.ceil((end - face.start) / h / MANY)
-        notice(f"steps of {h:g} s, not of {own:g} s as the FMU suggests, to take at most {MANY}; --step says how long")
+    steps = (end - face.start) / h
+    if step is not None and steps > LIMIT:
+        raise ModalFmuError(
+            f"--step: got {h:g} s, {steps:.3g} steps, expected at most {LIMIT:.0e}; take longer ones"
+        )
+    if step is None and steps > MANY:
+        h *= math.ceil(steps / MANY)
+        notice(
+            f"the FMU suggests {steps:.3g} steps; to keep to {MANY} they are {h:g} s long, or as --step says"
+        )
     return end, h
 
 
@@ -129,10 +137,11 @@ def _complete(signals: NDArray[Any], face: Face, values: Mapping[str, float]) ->
     if len(signals) == 1:
         signals = np.concatenate([signals, signals])
         signals["time"][1] += 1.0
-    rest = [name for name in face.inputs if name not in signals.dtype.names]
-    held = [values.get(name, _start(face, name)) for name in rest]
-    columns = [signals[name] for name in signals.dtype.names] + [np.full(len(signals), x) for x in held]
-    return signals_of([*signals.dtype.names, *rest], np.stack(columns, axis=1))
+    given = list(signals.dtype.names or ())
+    rest = [name for name in face.inputs if name not in given]
+    columns = [signals[name] for name in given]
+    columns += [np.full(len(signals), values.get(name, _start(face, name))) for name in rest]
+    return signals_of([*given, *rest], np.stack(columns, axis=1))
 
 
 def _start(face: Face, name: str) -> float:
@@ -141,9 +150,7 @@ def _start(face: Face, name: str) -> float:
 
 
 def _typed(values: Mapping[str, float], face: Face) -> dict[str, Any]:
-    return {
-        name: bool(x) if face.variables[name].type == "Boolean" else x for name, x in values.items()
-    }
+    return {name: bool(x) if face.variables[name].type == "Boolean" else x for name, x in values.items()}
 
 
 def _refusal(face: Face, time: float, log: Sequence[tuple[int, str]], otherwise: str) -> str:

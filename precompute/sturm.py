@@ -18,7 +18,7 @@ SEARCHES = 10  # each finds more copies of a multiple eigenvalue
 
 
 def count_below(pencil: Pencil, factorise: Callable[[csr_array], Factor], s: float) -> int | None:
-    """The number of elastic λ < s: negative pivots of K − sM = L D Lᵀ, less the rigid modes; none if not known.
+    """The number of elastic λ < s: negative pivots of K − sM = L D Lᵀ, less the rigid modes; none if unknown.
 
     Source: Sylvester's law of inertia; Parlett, The Symmetric Eigenvalue Problem, 3.3.
     """
@@ -65,12 +65,12 @@ def lowest_modes(
     """
     known = search(nothing(pencil), wanted + EXTRA)
     for _ in range(SEARCHES):
-        if len(known.lam) >= pencil.elastic:
-            return known
-        gap = gap_above(known.lam, wanted, ceiling, pencil.noise)
-        if gap is None:
+        while (gap := gap_above(known.lam, wanted, ceiling, pencil.noise)) is None:
+            if len(known.lam) >= pencil.elastic:
+                break
             known = search(known, max(EXTRA, len(known.lam) // 2))
-            continue
+        if gap is None or len(known.lam) >= pencil.elastic:
+            return known
         j, s = gap
         below = count(s)
         if below != j:

@@ -1,4 +1,4 @@
-"""Motions without strain energy beyond the rigid motions of the whole body: an error with number and place."""
+"""Motions without strain energy beyond the rigid ones of the whole body: an error with number and place."""
 
 from collections.abc import Callable
 
@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from .arrays import Bools, Floats, Ints
+from .arrays import Bools, Ints
 from .canonical import canonical_vectors
 from .errors import EigenError, ZeroEnergyError
 from .pencil import Pairs, Pencil
@@ -46,8 +46,8 @@ def refuse_loose_pieces(system: System, fixed: Bools, rigid: int, where: Where) 
         shown = "; ".join(f"{len(d)} DOFs around {where(int(d[0]))}" for d in loose[:SHOWN])
         more = "; …" if len(loose) > SHOWN else ""
         raise ZeroEnergyError(
-            f"{_modes(sum(left) - rigid)} beyond the {rigid} rigid ones: the part falls into {number} pieces, "
-            f"{len(loose)} of them loose ({shown}{more}); connect them (one mesh, shared nodes) or support each"
+            f"{_modes(sum(left) - rigid)} beyond the {rigid} rigid ones: the part falls into {number} "
+            f"pieces, {len(loose)} of them loose ({shown}{more}); let them share nodes, or support each"
         )
 
 
@@ -67,8 +67,8 @@ def refuse_mechanisms(pencil: Pencil, elastic: Pairs, free: Ints, where: Where) 
         Phi = canonical_vectors(elastic.Phi[:, zero])
         raise ZeroEnergyError(
             f"{_modes(Phi.shape[1])} beyond the {pencil.rigid.shape[1]} rigid ones, "
-            f"{_places(free[np.argmax(np.abs(Phi), axis=0)], where)}: a hinge, or a piece held by too few nodes; "
-            f"connect it over faces or support it"
+            f"{_places(free[np.argmax(np.abs(Phi), axis=0)], where)}: a hinge, or a piece held by too few "
+            f"nodes; connect it over faces or support it"
         )
 
 

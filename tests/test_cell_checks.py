@@ -29,7 +29,7 @@ def test_a_mirrored_mesh_is_inverted(family: str) -> None:
     mesh = mapped(box(family, (1, 1, 1)), lambda p: p * [1.0, 1.0, -1.0])
     count = len(mesh.cells[family])
     text = message(mesh, steel(mesh))
-    assert text.startswith(f"{count} cells are inverted or flat, det J ≤ 0")
+    assert text.startswith(f"inverted or flat cells (det J ≤ 0 at an integration point): {count}, first ")
     assert f"{family} cell 1 near (" in text
     assert "reorder the nodes" in text
 
@@ -39,7 +39,7 @@ def test_only_the_inverted_cells_are_named_with_their_place() -> None:
     cells = mesh.cells["hex8"].copy()
     cells[1] = cells[1][[4, 5, 6, 7, 0, 1, 2, 3]]
     text = message(mesh_of(mesh.points, {"hex8": cells}), steel(mesh))
-    assert text.startswith("1 cells are inverted")
+    assert "point): 1, first " in text
     assert "hex8 cell 2 near (1.5, 0.5, 0.5) m; " in text
 
 
@@ -47,7 +47,7 @@ def test_a_flat_cell_is_refused_though_rounding_gives_it_a_volume() -> None:
     points = np.array([[0.1, 0.2, 0.3], [1.1, 0.5, 0.7], [0.4, 1.3, 0.9]])
     flat = np.concatenate([points, [points.mean(axis=0)]])
     mesh = mesh_of(flat, {"tet4": np.array([[0, 1, 2, 3]])})
-    assert "1 cells are inverted or flat" in message(mesh, steel(mesh))
+    assert "inverted or flat cells" in message(mesh, steel(mesh))
     # thin, but a volume: 1e-6 of an edge is far from flat
     thin = flat + np.array([[0.0], [0.0], [0.0], [1e-6]]) * np.cross(
         points[1] - points[0], points[2] - points[0]
@@ -77,7 +77,9 @@ def test_cells_without_material_are_counted_and_placed() -> None:
     mesh = with_sets(box("hex8", (4, 1, 1), (4.0, 1.0, 1.0)))
     rim = replace(steel(mesh)[0], cells=mesh.cell_sets["rim"])
     text = message(mesh, [rim])
-    assert text.startswith("2 cells have no material: hex8 cell 3 near (2.5, 0.5, 0.5) m, hex8 cell 4 near")
+    assert text.startswith(
+        "cells without material: 2, first hex8 cell 3 near (2.5, 0.5, 0.5) m, hex8 cell 4 near"
+    )
     assert "in the cell sets 'core'" in text
 
 
@@ -86,14 +88,14 @@ def test_a_whole_family_without_material() -> None:
         box("hex8", (1, 1, 1)), mapped(box("wedge6", (1, 1, 1)), lambda p: p + np.array([1.0, 0.0, 0.0]))
     )
     hexahedra = replace(steel(mesh)[0], cells={"hex8": np.array([0])})
-    assert message(mesh, [hexahedra]).startswith("2 cells have no material: wedge6 cell 1 near")
+    assert message(mesh, [hexahedra]).startswith("cells without material: 2, first wedge6 cell 1 near")
 
 
 def test_cells_in_two_materials_name_both() -> None:
     mesh = with_sets(box("hex8", (4, 1, 1), (4.0, 1.0, 1.0)))
     rim = CellMaterial("brass", 1e11, 0.3, 8500.0, mesh.cell_sets["rim"])
     text = message(mesh, [*steel(mesh), rim])
-    assert text.startswith("2 cells have more than one material ('steel', 'brass'): hex8 cell 1 near")
+    assert text.startswith("cells in more than one material ('steel', 'brass'): 2, first hex8 cell 1 near")
     assert "'rim'" in text
     assert "'core'" not in text
 

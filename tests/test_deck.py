@@ -1,5 +1,6 @@
 """Abaqus and CalculiX decks as people write them."""
 
+import gzip
 import logging
 from pathlib import Path
 
@@ -31,6 +32,9 @@ CUBE = """*Heading
 *ELEMENT, TYPE=C3D8R, ELSET=upper
 7, 20, 21, 22, 23, 30, 31, 32, 33
 """
+
+
+CALCULIX = Path("/usr/share/doc/calculix-ccx-test/examples/test")
 
 
 def mesh_of(tmp_path: Path, text: str, **files: str):
@@ -90,7 +94,8 @@ def test_types_and_lines_that_go_on(tmp_path, kind, family, width):
 def test_forms_of_numbers_and_comments(tmp_path):
     text = (
         '** by hand\n\n*Node , nset = "All nodes"\n 1, 1.0D+00, -2.5d-1, 3.\n\n** next\n2,1,0,0,\n'
-        "3, .5E0, 1\n4 ,0,,1\n5, 9, 9, 9, 0.0, 0.0, 1.0\n*ELEMENT,TYPE=C3D4\n\t1,1,2,3,4\n*step\n*node file\nU\n*end step\n"
+        "3, .5E0, 1\n4 ,0,,1\n5, 9, 9, 9, 0.0, 0.0, 1.0\n*ELEMENT,TYPE=C3D4\n\t1,1,2,3,4\n"
+        "*step\n*node file\nU\n*end step\n"
     )
     mesh = mesh_of(tmp_path, text.replace("\n", "\r\n"))
     assert mesh.points.tolist() == [[1, -0.25, 3], [1, 0, 0], [0.5, 1, 0], [0, 0, 1]]
@@ -119,13 +124,16 @@ def test_sets(tmp_path):
 def test_sets_that_name_what_is_not_there(tmp_path, caplog):
     caplog.set_level(logging.INFO, "modalfmu")
     mesh = mesh_of(
-        tmp_path, CUBE + "*NSET, NSET=some\n10, 999\n*NSET, NSET=none\n998\n*ELSET, ELSET=e\n5, 99\n"
+        tmp_path,
+        CUBE
+        + "*NSET, NSET=some\n10, 999\n*NSET, NSET=none\n998\n*ELSET, ELSET=e\n5, 99\n*ELSET, ELSET=f\n98\n",
     )
     assert ids_of(mesh, "some") == [10]
-    assert ids_of(mesh, "none") == []  # the name stays, so that a selection can say why it is empty
+    assert ids_of(mesh, "none") == ids_of(mesh, "f") == []  # names stay, so that a selection can say why
     assert mesh.cell_sets["e"] == {"hex8": [0]}
     assert caplog.messages == [
         "set 'e' names 1 elements that the deck does not have; they are passed over",
+        "set 'f' names 1 elements that the deck does not have; they are passed over",
         "set 'some' names 1 nodes that the deck does not have; they are passed over",
         "set 'none' names 1 nodes that the deck does not have; they are passed over",
     ]
@@ -384,6 +392,25 @@ def test_many_nodes_are_read_as_one(tmp_path):
         mesh = mesh_of(tmp_path, f"*NODE\n{end.join(lines)}\n*ELEMENT, TYPE=C3D4\n{cells}")
         assert np.array_equal(mesh.points, points)
         assert mesh.node_ids.tolist() == list(range(1, 100, 2))
+
+
+@pytest.mark.skipif(not CALCULIX.is_dir(), reason="the decks of Debian's calculix-ccx-test are not installed")
+def test_decks_of_calculix(tmp_path):
+    """Each is a mesh or one clear refusal; beamdy1 is 32 C3D20R that fill 1 × 1.5 × 8."""
+    path = tmp_path / "deck.inp"
+    refused = []
+    for deck in sorted(CALCULIX.glob("*.inp.gz")):
+        path.write_bytes(gzip.decompress(deck.read_bytes()))
+        try:
+            mesh = read_mesh(path)
+        except MeshError as error:
+            refused.append(str(error))
+            continue
+        if deck.name == "beamdy1.inp.gz":
+            assert {family: len(cells) for family, cells in mesh.cells.items()} == {"hex20r": 32}
+            assert np.ptp(mesh.points, axis=0) == pytest.approx([1.0, 1.5, 8.0])
+    known = ("got no solid cells but", "cannot be integrated", "is the type right?")
+    assert [error for error in refused if not any(words in error for words in known)] == []
 
 
 def test_raw_mesh_keeps_every_node(tmp_path):

@@ -25,7 +25,7 @@ HEX_EDGES = (
 
 
 def volumes(p):
-    """Signed volume of straight tetrahedra, parallelepipeds and right wedges, p (c, k, 3), from three edges."""
+    """Signed volumes of tetrahedra, parallelepipeds and right wedges with straight edges, p (c, k, 3)."""
     k = p.shape[1]
     a, b, c = {4: (1, 2, 3), 10: (1, 2, 3), 6: (1, 2, 3), 8: (1, 3, 4), 20: (1, 3, 4)}[k]
     share = {4: 6, 10: 6, 6: 2, 8: 1, 20: 1}[k]
@@ -102,6 +102,20 @@ def test_gmsh_tags_with_gaps(tmp_path):
     assert mesh.node_ids.tolist() == [70, 9, 30, 2]  # 500 is in no cell
     assert mesh.points.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
     assert mesh.cells["tet4"].tolist() == [[0, 1, 2, 3]]
+
+
+def test_gmsh_entity_without_cells(tmp_path):
+    """Version 4.1 may list an entity of a group with no cell in it."""
+    path = tmp_path / "none.msh"
+    path.write_text(
+        '$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n3 1 "body"\n3 2 "void"\n$EndPhysicalNames\n'
+        "$Entities\n0 0 0 2\n1 0 0 0 1 1 1 1 1 0\n2 0 0 0 1 1 1 1 2 0\n$EndEntities\n"
+        "$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n"
+        "$Elements\n2 1 1 1\n3 1 4 1\n1 1 2 3 4\n3 2 4 0\n$EndElements\n"
+    )
+    mesh = read_mesh(path)
+    assert mesh.cell_sets == {"body": {"tet4": [0]}}
+    assert mesh.node_sets["void"].tolist() == []
 
 
 @pytest.mark.parametrize("name", [name for name in OTHERS if name.endswith(".bdf")])

@@ -1,4 +1,4 @@
-"""The mesh of the bracket: an L of two plates with a fillet and a rib, bolt holes and a bearing's seat; in mm.
+"""The mesh of the bracket: an L with a fillet, a rib, bolt holes and a seat for a bearing; in mm.
 
 Run `python make_mesh.py` (needs the extra `mesh`); writes bracket.msh beside itself.
 """
@@ -47,9 +47,7 @@ def main() -> None:
     ]
     reach = (THICKNESS / 2, BEARING_RADIUS, BEARING_RADIUS)
     gmsh.model.addPhysicalGroup(2, holes, name="bolts")
-    gmsh.model.addPhysicalGroup(
-        2, _faces((THICKNESS / 2, WIDTH / 2, BEARING_HEIGHT), reach), name="bearing"
-    )
+    gmsh.model.addPhysicalGroup(2, _faces((THICKNESS / 2, WIDTH / 2, BEARING_HEIGHT), reach), name="bearing")
     top = _faces((THICKNESS / 2, WIDTH / 2, WALL), (THICKNESS / 2, WIDTH / 2, 0.0))
     gmsh.model.addPhysicalGroup(2, top, name="load_face")
     gmsh.model.mesh.generate(3)

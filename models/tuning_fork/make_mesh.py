@@ -30,9 +30,7 @@ def main(size: float, path: Path) -> None:
     gmsh.model.add("tuning_fork")
     occ = gmsh.model.occ
     middle, half = (GAP + SECTION) / 2, SECTION / 2
-    prongs = [
-        occ.addBox(0.0, side * middle - half, -half, PRONG, SECTION, SECTION) for side in (-1.0, 1.0)
-    ]
+    prongs = [occ.addBox(0.0, side * middle - half, -half, PRONG, SECTION, SECTION) for side in (-1.0, 1.0)]
     square = occ.addRectangle(-half, middle - half, 0.0, SECTION, SECTION)
     occ.rotate([(2, square)], 0.0, middle, 0.0, 0.0, 1.0, 0.0, pi / 2)  # into the plane x = 0
     bend = [entity for entity in occ.revolve([(2, square)], 0, 0, 0, 0, 0, 1, pi) if entity[0] == 3]

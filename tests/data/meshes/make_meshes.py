@@ -1,8 +1,8 @@
 """Write the meshes of this folder: python make_meshes.py (needs gmsh).
 
 Two boxes [0, 1] and [1, 2] × [0, 0.5]² with groups that overlap: surfaces "clamp" and "fixed" (both x = 0),
-a surface "end" of the other sense (x = 2), a line "edge", a point "corner", volumes "left" and 4 (without a name),
-both in "body".
+a surface "end" of the other sense (x = 2), a line "edge", a point "corner", volumes "left" and 4 (without
+a name), both in "body".
 """
 
 from pathlib import Path
