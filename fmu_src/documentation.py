@@ -19,17 +19,19 @@ Binaries: linux64 and win64, from pythonfmu {version("pythonfmu")}. Nothing else
 and the code that runs it are in resources/.
 
 Hosts that are Python programs (FMPy, PyFMI) load the FMU as it is, from an environment with numpy.
+Extract it to a folder whose path has no letters beyond ASCII and no %, ( or @: the library decodes no
+escapes of the resource location but those of spaces.
 
 Hosts that are not Python programs must have libpython in their process before they load the FMU:
-  Linux    LD_PRELOAD=libpython3.11.so HOST …   (the path of that file, and PYTHONHOME or an activated
-           environment so that numpy is found)
+  Linux    LD_PRELOAD=libpython3.x.so HOST …   (the path of that file, for your Python, and PYTHONHOME or an
+           activated environment so that numpy is found)
   Windows  the folder of python3.dll and python3xx.dll on PATH, PYTHONHOME set to it
 
 All FMUs of this kind in one process share one Python interpreter.
 """
 
 
-def mode_table(
+def index_html(
     model: ReducedModel, effective_mass: dict[str, list[float]] | None = None, total_mass: float | None = None
 ) -> str:
     """`documentation/index.html`: what the model is, its ports and its modes with units."""

@@ -14,13 +14,14 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib.metadata import distribution, version
 from pathlib import Path
+from uuid import UUID
 
 from pythonfmu import FmuBuilder
 
+from . import runtime
 from .archive import write_archive
 from .description import model_description
 from .documentation import external_dependencies
-from .runtime import __file__ as runtime_init
 from .runtime.model import ReducedModel
 from .runtime.resources import write_model
 
@@ -52,14 +53,14 @@ def build_python_fmu(model: ReducedModel, path: Path, extra: Mapping[str, bytes]
         return model_description(model, guid=guid, generation_tool=generation_tool, capabilities=CAPABILITIES)
 
     digest = _digest({**files, DESCRIPTION: description("")})
-    files[DESCRIPTION] = description(f"{{{'-'.join(_cut(digest, 8, 4, 4, 4, 12))}}}")
+    files[DESCRIPTION] = description(f"{{{UUID(digest[:32])}}}")
     write_archive(path, files)
     return path
 
 
 def _payload(model: ReducedModel) -> dict[str, bytes]:
     """Binaries and resources: what pythonfmu makes of the runtime under its own module name."""
-    sources = {p.name: p.read_bytes() for p in sorted(Path(runtime_init).parent.glob("*.py"))}
+    sources = {p.name: p.read_bytes() for p in sorted(Path(runtime.__path__[0]).glob("*.py"))}
     arrays = write_model(model)
     module = f"{model.name}_{_digest({**sources, **arrays})[:8]}"
     with tempfile.TemporaryDirectory() as scratch:
@@ -112,14 +113,6 @@ def _digest(files: Mapping[str, bytes]) -> str:
         total.update(f"{name}\0{len(files[name])}\0".encode())
         total.update(files[name])
     return total.hexdigest()
-
-
-def _cut(text: str, *lengths: int) -> list[str]:
-    pieces, start = [], 0
-    for length in lengths:
-        pieces.append(text[start : start + length])
-        start += length
-    return pieces
 
 
 def _licences() -> str:

@@ -21,7 +21,7 @@ TYPES = {"tet10": "C3D10", "hex20": "C3D20"}
 COUNT = 10
 
 
-def deck(part: Part, mesh: Mesh) -> Iterator[str]:
+def deck(part: Part, mesh: Mesh, count: int = COUNT) -> Iterator[str]:
     """The lines of an input deck in SI units: one material, the part's supports, *FREQUENCY."""
     material = part.materials[0]
     yield "*NODE, NSET=ALL"  # numbers of at most 20 characters
@@ -38,7 +38,7 @@ def deck(part: Part, mesh: Mesh) -> Iterator[str]:
     for support in part.supports:
         for node in select_nodes(mesh, support.at, UNITS[part.length_unit]) + 1:
             yield from (f"{node}, {'xyz'.index(direction) + 1}" for direction in support.fix)
-    yield from ("*STEP", "*FREQUENCY", str(COUNT), "*NODE FILE", "U", "*END STEP", "")
+    yield from ("*STEP", "*FREQUENCY", str(count), "*NODE FILE", "U", "*END STEP", "")
 
 
 def frequencies(folder: Path) -> np.ndarray:

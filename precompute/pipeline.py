@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fmu_src.documentation import mode_table
+from fmu_src.documentation import index_html
 from fmu_src.packaging import build_python_fmu
 from fmu_src.runtime.model import Port as FmuPort
 from fmu_src.runtime.model import ReducedModel
@@ -96,7 +96,7 @@ def package(reduction: Reduction, path: Path, progress: Progress = silent) -> Pa
     """Write the FMU with its mode table and its mode shapes; returns its path."""
     progress("packaging", None)
     masses = dict(zip("xyz", reduction.effective_mass.tolist(), strict=True))
-    table = mode_table(reduction.model, masses, reduction.total_mass)
+    table = index_html(reduction.model, masses, reduction.total_mass)
     shape = surface_shape(reduction.mesh, reduction.modes.Phi)
     return build_python_fmu(
         reduction.model, path, {"documentation/index.html": table.encode(), **write_shape(shape)}

@@ -1,6 +1,7 @@
 """The Python twin as FMPy sees it, always in a process of its own."""
 
 import json
+import sys
 import zipfile
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -10,6 +11,7 @@ import pytest
 from examples import PRELUDE, oscillator, run_master, two_ports
 from fmpy.validation import validate_fmu
 
+from fmu_src.archive import write_archive
 from fmu_src.packaging import build_python_fmu
 from fmu_src.runtime.model import ReducedModel
 from fmu_src.runtime.propagator import propagator
@@ -46,6 +48,28 @@ def test_same_content_same_bytes(fmu: Path, tmp_path: Path) -> None:
 
     assert identity(other)[0] != identity(fmu)[0]
     assert identity(other)[1] != identity(fmu)[1]
+    described = build_python_fmu(two_ports(description="another text"), tmp_path / "described.fmu")
+    assert identity(described)[0] != identity(fmu)[0]
+
+
+def test_building_leaves_the_interpreter_as_it_was(tmp_path: Path) -> None:
+    build_python_fmu(two_ports(), tmp_path / "first.fmu")  # imports what every build needs
+    path, modules, bytecode = list(sys.path), set(sys.modules), sys.dont_write_bytecode
+    build_python_fmu(two_ports(alpha=0.7), tmp_path / "second.fmu")
+    assert (sys.path, set(sys.modules), sys.dont_write_bytecode) == (path, modules, bytecode)
+
+
+def test_declared_capabilities(fmu: Path) -> None:
+    with zipfile.ZipFile(fmu) as archive:
+        root = ET.fromstring(archive.read("modelDescription.xml"))
+    assert root.find("CoSimulation").attrib == {  # type: ignore[union-attr]  # there is one
+        "modelIdentifier": "two_ports",
+        "needsExecutionTool": "true",
+        "canHandleVariableCommunicationStepSize": "true",
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+    }
 
 
 def test_no_half_written_file(tmp_path: Path) -> None:
@@ -55,7 +79,7 @@ def test_no_half_written_file(tmp_path: Path) -> None:
     kept = tmp_path / "kept.fmu"
     kept.write_bytes(b"old")
     with pytest.raises(TypeError):
-        build_python_fmu(two_ports(), kept, extra={"extra/x": None})  # type: ignore[dict-item]  # a failure
+        write_archive(kept, {"a": b"1", "b": None})  # type: ignore[dict-item]  # a failure halfway
     assert kept.read_bytes() == b"old"
     assert [p.name for p in tmp_path.iterdir()] == ["kept.fmu"]
 
@@ -131,12 +155,14 @@ def run(t, count, rng):
     return t, rows
 t, _ = run(0.0, 5, rng)
 part.set("damping.alpha", 0.9)
+part.set("damping.beta", 0.002)
 part.fmu.setInteger([0], [4])
 here = part.everything()
 state = part.fmu.getFMUState()
 data = part.fmu.serializeFMUState(state)
 _, first = run(t, 7, np.random.default_rng(1))
 part.set("damping.alpha", 5.0)
+part.set("damping.beta", 0.1)
 part.fmu.setInteger([0], [6])
 part.fmu.setFMUState(state)
 assert part.fmu.getInteger([0]) == [4]
@@ -152,6 +178,22 @@ _, fourth = run(t, 7, np.random.default_rng(1))
 assert first == fourth, "another instance differs"
 part.fmu.setFMUState(part.fmu.deSerializeFMUstate(b"not a state"))
 assert "fmi2SetFMUstate" in LOG[-1][1] and LOG[-1][0] == 3, LOG
+saved = json.loads(data)
+for change in ({"active": 99}, {"active": -1}, {"active": 1e400}, {"alpha": -5.0}, {"beta": None},
+               {"q": [1e999] * 6}, {"q": [0.0]}, {"model": "another"}, {"time": "now"}):
+    here = part.everything()
+    part.fmu.setFMUState(part.fmu.deSerializeFMUstate(json.dumps({**saved, **change}).encode()))
+    assert "fmi2SetFMUstate" in LOG[-1][1] and (part.everything() == here).all(), change
+    LOG.append((0, ""))
+young = Part(sys.argv[1], "young")
+young.fmu.enterInitializationMode()
+kept = young.fmu.getFMUState()
+young.fmu.exitInitializationMode()
+young.step(0.0, 0.1)
+young.fmu.setFMUState(kept)
+assert young.status(0.0, 0.1) == 2, "initialising again"
+young.fmu.exitInitializationMode()
+young.step(0.0, 0.1)
 part.fmu.freeFMUState(state)
 print("ok")
 """
@@ -235,6 +277,9 @@ for u, t, h, word in [
     (float("inf"), 0.1, 0.1, "left.force.x is inf"),
     (1.0, 0.1, -0.1, "communicationStepSize is -0.1"),
     (1.0, 0.1, 0.0, "communicationStepSize is 0.0"),
+    (1.0, 0.1, float("inf"), "communicationStepSize is inf"),
+    (1.0, 0.1, 1e300, "beyond the range of numbers"),
+    (1.7e308, 0.1, 0.1, "beyond the range of numbers"),
     (1.0, 0.1, float("nan"), "communicationStepSize is nan"),
     (1.0, 0.7, 0.1, "currentCommunicationPoint is 0.7"),
 ]:
@@ -252,6 +297,32 @@ for name in ("left.displacement.x", "modes.frequency[1]", "modes.amplitude[1]", 
 part.fmu.setReal([999], [1.0])
 assert len(LOG) == 5 and all(s == 3 for s, _ in LOG), LOG
 assert np.isnan(part.fmu.getReal([999])).all()
+assert np.isnan(part.fmu.getReal([2**31, 2**32 - 1])).all()
+before = part.everything()
+LOG.clear()
+part.fmu.setReal([2**32 - 1], [5.0])
+part.fmu.setReal([0, 999], [5.0, 1.0])
+part.fmu.setReal([0, part.vr["damping.alpha"]], [5.0, float("inf")])
+part.fmu.setInteger([5], [1])
+part.fmu.setInteger([0], [-1])
+assert part.fmu.getInteger([0]) == [6] and part.fmu.getInteger([3]) == [6]
+assert part.fmu.getBoolean([0]) == [0] and part.fmu.getString([0]) == [b""]
+part.fmu.setBoolean([0], [1])
+part.fmu.setString([0], ["x"])
+part.fmu.setupExperiment(startTime=7.0)
+assert (part.everything() == before).all()
+assert len(LOG) == 11 and all(s == 3 for s, _ in LOG), LOG
+part.fmu.setReal([0, part.vr["damping.alpha"], part.vr["damping.beta"]], [5.0, 0.25, 0.125])
+assert part.get("left.force.x", "damping.alpha", "damping.beta").tolist() == [5.0, 0.25, 0.125]
+late = Part(sys.argv[1], "late")
+late.fmu.setupExperiment(startTime=float("nan"))
+late.fmu.setupExperiment(startTime=3.0)
+late.fmu.enterInitializationMode()
+late.set("modes.amplitude[1]", float("nan"))
+late.fmu.exitInitializationMode()
+assert late.get("modes.amplitude[1]")[0] == 0.0
+assert late.status(0.0, 0.1) == 2
+late.step(3.0, 0.1)
 print("ok")
 """
 
@@ -269,18 +340,29 @@ inside = part.get(*q, "left.displacement.x")
 part.fmu.exitInitializationMode()
 start = part.get(*q, "left.displacement.x")
 assert (inside == start).all()
+state, before = part.fmu.getFMUState(), part.everything()
+part.fmu.setFMUState(state)
+assert (part.everything() == before).all()
 part.step(0.0, 0.37)
-print(json.dumps([start.tolist(), part.get(*q, "left.displacement.x").tolist()]))
+later = part.get(*q, "left.displacement.x")
+part = Part(sys.argv[1], "unread")
+part.fmu.enterInitializationMode()
+part.fmu.setReal([0, 1, 2], [1.0, -2.0, 0.5])
+part.set("modes.amplitude[1]", 3.0)
+part.fmu.exitInitializationMode()
+part.fmu.setReal([0, 1, 2], [0.0, 0.0, 0.0])
+print(json.dumps([x.tolist() for x in (start, later, part.get(*q, "left.displacement.x"))]))
 """
 
 
 def test_static_start_is_equilibrium(tmp_path: Path) -> None:
     model = static_model()
     path = build_python_fmu(model, tmp_path / "settled.fmu")
-    start, later = json.loads(run_master(PRELUDE + STATIC, path, cwd=tmp_path))
+    start, later, unread = json.loads(run_master(PRELUDE + STATIC, path, cwd=tmp_path))
     q = static_solution(model.lam, model.B @ [1.0, -2.0, 0.5]).q
     np.testing.assert_allclose(start, [*q, model.C[0] @ q], rtol=1e-14)  # one product of six terms
     np.testing.assert_allclose(later, start, rtol=1e-12)  # stays there to rounding
+    assert unread == start
     moving = step(propagator(model.lam, 0 * model.lam, 0.37), at_rest(6), model.B @ [1.0, -2.0, 0.5])
     assert np.abs(moving.q - q).max() > 1e-3  # from rest it would not
 

@@ -13,7 +13,7 @@ from fmu_src.runtime.propagator import Propagator, propagator
 NAMES = ("E11", "E12", "E21", "E22", "G0", "G1")
 # What is promised, relative to the largest absolute value over [h/2, 2h] and per 1 + ωh: a rounding of ω
 # alone turns into a phase error of ωh roundings. Long searches found 1.3e-15 at worst.
-PROMISE = 1e-14
+PROMISE = 3e-15
 
 
 def exact(lam: float, d: float, h: float) -> list[mp.mpf]:

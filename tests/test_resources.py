@@ -1,5 +1,6 @@
 """The seam: what is written is what is read, and nothing damaged is used."""
 
+import hashlib
 import io
 import json
 from pathlib import Path
@@ -61,6 +62,11 @@ def test_flipped_byte(folder: Path) -> None:
         ("name", "two words"),
         ("alpha", "x"),
         ("alpha", -1.0),
+        ("alpha", True),
+        ("alpha", "0.5"),
+        ("alpha", 10**400),
+        ("name", "two\nlines"),
+        ("description", "a\x01b"),
         ("beta", float("nan")),
         ("initial", "moving"),
         ("initial", "static"),
@@ -80,14 +86,45 @@ def test_header_that_does_not_fit(folder: Path, key: str, value: object) -> None
 
 
 def test_pickled_array_is_refused(folder: Path) -> None:
-    import hashlib
-
     buffer = io.BytesIO()
     np.save(buffer, np.array([{"a": 1}], dtype=object), allow_pickle=True)
     (folder / "lam.npy").write_bytes(buffer.getvalue())
     header = json.loads((folder / "model.json").read_text())
     header["arrays"]["lam"]["sha256"] = hashlib.sha256(buffer.getvalue()).hexdigest()
     (folder / "model.json").write_text(json.dumps(header))
+    with pytest.raises(ModelError, match=r"lam\.npy: got"):
+        read_model(folder)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"PK\3\4 and more",
+        b"\x93NUMPY\x01\x00v\x00{'descr': '<f8', 'fortran_order': False, 'shape': (35184372088832,), }\n",
+        b"\x93NUMPY\x01\x00v\x00{'descr': '<f8', 'fortran_order': False, 'shape': (6,), \n",
+        b"\x93NUMPY\x01\x00v\x00{'descr': __import__('os'), 'fortran_order': False, 'shape': (6,), }\n",
+    ],
+)
+def test_arrays_with_a_valid_checksum_are_still_checked(folder: Path, content: bytes) -> None:
+    header = json.loads((folder / "model.json").read_text())
+    (folder / "lam.npy").write_bytes(content)
+    header["arrays"]["lam"]["sha256"] = hashlib.sha256(content).hexdigest()
+    header["arrays"]["lam"]["shape"] = [35184372088832]
+    (folder / "model.json").write_text(json.dumps(header))
+    with pytest.raises(ModelError, match=r"lam\.npy: got"):
+        read_model(folder)
+
+
+def test_trailing_bytes_and_nested_json_are_refused(folder: Path) -> None:
+    header = json.loads((folder / "model.json").read_text())
+    content = (folder / "lam.npy").read_bytes() + b"\0"
+    (folder / "lam.npy").write_bytes(content)
+    header["arrays"]["lam"]["sha256"] = hashlib.sha256(content).hexdigest()
+    (folder / "model.json").write_text(json.dumps(header))
+    with pytest.raises(ModelError, match=r"lam\.npy: got"):
+        read_model(folder)
+    (folder / "model.json").write_text("[" * 100_000)
     with pytest.raises(ModelError, match=r"model\.json"):
         read_model(folder)
 
@@ -123,6 +160,16 @@ def build(**changes: object) -> ReducedModel:
             {"ports": (Port("tip", ("force.x", "force.x"), ("displacement.x",)),), "B": np.ones((2, 2))},
             "twice",
         ),
+        ({"lam": np.array([0, 4])}, "lam: got int"),
+        ({"D_rest": np.diag([0.0, -1.0])}, "diagonal"),
+        ({"alpha": np.inf}, "alpha"),
+        ({"ports": (Port("tip", (), ("displacement.x",)), Port("tip", ("force.x",), ()))}, "unique"),
+        ({"ports": (Port("a b", ("force.x",), ("displacement.x",)),)}, "identifier"),
+        (
+            {"lam": np.zeros(0), "B": np.zeros((0, 1)), "C": np.zeros((1, 0)), "D_rest": np.zeros((0, 0))},
+            "0 modes",
+        ),
+        ({"description": "\ud800"}, "XML"),
         ({"ports": (Port("tip", ("heat",), ("displacement.x",)),)}, "heat"),
     ],
 )

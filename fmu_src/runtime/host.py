@@ -26,7 +26,7 @@ def release_interpreter(resources: Path, model_identifier: str) -> None:
     has been freed, and the host's heap may be damaged. Dropped now, there is nothing left to drop.
     Only where the host is a Python program: elsewhere the library owns the interpreter and must keep it.
     """
-    if sys.platform != "linux" or Path("/proc/self/exe").resolve() != Path(sys.executable).resolve():
+    if sys.platform != "linux" or Path("/proc/self/exe").resolve() != Path(sys.executable or "").resolve():
         return
     library = resources.parent / "binaries" / "linux64" / f"{model_identifier}.so"
     try:

@@ -12,8 +12,11 @@ from .errors import ModelError
 Floats: TypeAlias = NDArray[np.float64]
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
-INPUTS = tuple(f"force.{k}" for k in "xyz")
-OUTPUTS = tuple(f"{kind}.{k}" for kind in ("displacement", "velocity", "acceleration") for k in "xyz")
+NOT_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+INPUT_UNITS = {"force": "N"}
+OUTPUT_UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
+INPUTS = tuple(f"{kind}.{k}" for kind in INPUT_UNITS for k in "xyz")
+OUTPUTS = tuple(f"{kind}.{k}" for kind in OUTPUT_UNITS for k in "xyz")
 
 
 @dataclass(frozen=True)
@@ -25,7 +28,7 @@ class Port:
     outputs: tuple[str, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # arrays have no one truth value
 class ReducedModel:
     """q̈ + D̃ q̇ + Λ q = B f,  y = C q, C q̇ or C q̈,  D̃ = αI + βΛ + D_rest [2.28, 2.32].
 
@@ -72,7 +75,7 @@ class ReducedModel:
         if (diagonal < 0).any() or np.count_nonzero(self.D_rest) != np.count_nonzero(diagonal):
             raise ModelError("D_rest: expected a diagonal matrix with entries ≥ 0")
         if self.initial not in ("rest", "static"):
-            raise ModelError(f'initial: got "{self.initial}", expected "rest" or "static"')
+            raise ModelError(f'initial: got {self.initial!r}, expected "rest" or "static"')
         if self.initial == "static" and self.lam[0] == 0:
             raise ModelError('initial = "static" needs a body without rigid modes: support it, or use "rest"')
 
@@ -85,6 +88,11 @@ class ReducedModel:
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs, the rows of C."""
         return tuple(f"{port.name}.{key}" for port in self.ports for key in port.outputs)
+
+    @property
+    def output_kinds(self) -> tuple[str, ...]:
+        """What each output is, a key of OUTPUT_UNITS."""
+        return tuple(key.split(".")[0] for port in self.ports for key in port.outputs)
 
     @property
     def frequency(self) -> Floats:
@@ -110,12 +118,18 @@ def damping_ratio(lam: Floats, d: Floats) -> Floats:
 def _check_names(model: ReducedModel) -> None:
     for what, name in [("name", model.name), *(("port", port.name) for port in model.ports)]:
         if not IDENTIFIER.fullmatch(name):
-            raise ModelError(f'{what}: got "{name}", expected a C identifier: letters, digits and _')
-    names = model.inputs + model.outputs
+            raise ModelError(f"{what}: got {name!r}, expected a C identifier: letters, digits and _")
+    if bad := NOT_XML.search(model.description):
+        raise ModelError(
+            f"description: got the character {bad.group()!r}, which XML cannot hold; leave it out"
+        )
+    names = [port.name for port in model.ports]
+    if len(set(names)) != len(names):
+        raise ModelError(f"ports: got the names {names}, expected unique names")
     known = INPUTS + OUTPUTS
     for port in model.ports:
         unknown = [k for k in port.inputs if k not in INPUTS] + [k for k in port.outputs if k not in OUTPUTS]
         if unknown:
-            raise ModelError(f'port {port.name}: got "{unknown[0]}", expected one of {", ".join(known)}')
-    if len(set(names)) != len(names):
-        raise ModelError("ports: got a variable twice, expected unique names")
+            raise ModelError(f"port {port.name}: got {unknown[0]!r}, expected one of {', '.join(known)}")
+        if len({*port.inputs}) + len({*port.outputs}) < len(port.inputs + port.outputs):
+            raise ModelError(f"port {port.name}: got a variable twice, expected each once")

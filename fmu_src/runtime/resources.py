@@ -3,6 +3,8 @@
 import hashlib
 import io
 import json
+import math
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +17,12 @@ from .model import Floats, Port, ReducedModel
 SCHEMA = 1
 ARRAYS = {"lam": "1/s2", "D_rest": "1/s", "B": "kg^-1/2", "C": "kg^-1/2"}
 LIMIT = 1 << 31  # bytes of one file; a larger one is no reduced model
+AGAIN = "build the FMU again"
+NPY = re.compile(
+    rb"\x93NUMPY\x01\x00.."
+    rb"\{'descr': '<f8', 'fortran_order': False, 'shape': \((?P<shape>[\d, ]{0,60})\), \} *\n",
+    re.DOTALL,
+)
 
 
 def write_model(model: ReducedModel) -> dict[str, bytes]:
@@ -33,7 +41,6 @@ def write_model(model: ReducedModel) -> dict[str, bytes]:
         ],
         "arrays": {
             key: {
-                "file": f"{key}.npy",
                 "shape": list(getattr(model, key).shape),
                 "unit": unit,
                 "sha256": hashlib.sha256(files[f"{key}.npy"]).hexdigest(),
@@ -52,13 +59,8 @@ def read_model(folder: Path) -> ReducedModel:
     """
     try:
         header = json.loads(_bytes(folder / "model.json"))
-    except ValueError as error:
-        raise ModelError(f"model.json: got text that is not JSON ({error}); build the FMU again") from error
-    try:
         if header["schema"] != SCHEMA:
-            raise ModelError(
-                f"model.json: got schema {header['schema']!r}, expected {SCHEMA}; build the FMU again"
-            )
+            raise ModelError(f"model.json: got schema {header['schema']!r}, expected {SCHEMA}; {AGAIN}")
         arrays = {key: _array(folder, key, header["arrays"][key]) for key in ARRAYS}
         ports = tuple(
             Port(_text(port["name"]), _texts(port["inputs"]), _texts(port["outputs"]))
@@ -67,14 +69,14 @@ def read_model(folder: Path) -> ReducedModel:
         return ReducedModel(
             name=_text(header["name"]),
             description=_text(header["description"]),
-            alpha=float(header["alpha"]),
-            beta=float(header["beta"]),
+            alpha=_number(header["alpha"]),
+            beta=_number(header["beta"]),
             initial=header["initial"],
             ports=ports,
             **arrays,
         )
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise ModelError(f"model.json: {type(error).__name__} {error}; build the FMU again") from error
+    except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as error:
+        raise ModelError(f"model.json: {type(error).__name__}: {error}; {AGAIN}") from error
 
 
 def _npy(array: Floats) -> bytes:
@@ -86,20 +88,25 @@ def _npy(array: Floats) -> bytes:
 def _bytes(path: Path) -> bytes:
     try:
         if path.stat().st_size > LIMIT:
-            raise ModelError(f"{path.name}: got {path.stat().st_size} bytes, expected at most {LIMIT}")
+            raise ModelError(
+                f"{path.name}: got {path.stat().st_size} bytes, expected at most {LIMIT}; {AGAIN}"
+            )
         return path.read_bytes()
     except OSError as error:
-        raise ModelError(f"{path.name}: cannot be read ({error.strerror}); build the FMU again") from error
+        raise ModelError(f"{path.name}: cannot be read ({error.strerror}); {AGAIN}") from error
 
 
 def _array(folder: Path, key: str, entry: Mapping[str, Any]) -> Floats:
+    """One .npy file of format 1.0, float64 in C order; its length must be what its shape takes."""
     content = _bytes(folder / f"{key}.npy")
     if hashlib.sha256(content).hexdigest() != entry["sha256"]:
-        raise ModelError(f"{key}.npy: its checksum is not that of model.json; build the FMU again")
-    array = np.load(io.BytesIO(content), allow_pickle=False)
-    if array.dtype != np.dtype("<f8") or list(array.shape) != entry["shape"]:
-        raise ModelError(f"{key}.npy: got {array.dtype} {array.shape}, expected float64 {entry['shape']}")
-    return np.ascontiguousarray(array, dtype=np.float64)
+        raise ModelError(f"{key}.npy: its checksum is not that of model.json; {AGAIN}")
+    found = NPY.match(content)
+    shape = tuple(int(n) for n in found["shape"].split(b",") if n.strip()) if found else ()
+    start = 10 + int.from_bytes(content[8:10], "little")
+    if not found or list(shape) != entry["shape"] or len(content) != start + 8 * math.prod(shape):
+        raise ModelError(f"{key}.npy: got {len(content)} bytes, expected float64 {entry['shape']}; {AGAIN}")
+    return np.frombuffer(content, dtype="<f8", offset=start).reshape(shape).astype(np.float64)
 
 
 def _text(value: object) -> str:
@@ -110,3 +117,9 @@ def _text(value: object) -> str:
 
 def _texts(value: list[object]) -> tuple[str, ...]:
     return tuple(_text(item) for item in value)
+
+
+def _number(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError(f"got {value!r}, expected a number")
+    return float(value)

@@ -1,12 +1,13 @@
 """The FMI glue of the Python twin: calls of pythonfmu become calls of `Instance`.
 
-An exception that leaves a method is fatal in pythonfmu and tears the instance down; an error status
+An exception that leaves a method is fatal in pythonfmu and tears the instance down, and an error status
 cannot be returned. So a call that is not legal is logged with its reason and changes nothing, and a
 step that cannot be made is discarded (fmi2Discard).
 """
 
 import json
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,96 +31,111 @@ class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
         self._instance = Instance(model)
         self._asked: list[int] = []
         self._places = np.zeros(0, dtype=np.intp)
-        place = self._instance.layout
-        self._read_only = {*range(place.outputs.start, place.outputs.stop)}
-        self._read_only |= {*range(place.frequency.start, place.damping_ratio.stop)}
-        self._read_only |= {*range(place.q_dot.start, place.size)}
-        if model.initial == "static":
-            self._read_only |= {*range(place.q.start, place.q.stop)}
 
     def _refuse(self, reason: str) -> None:
-        self.log(reason, Fmi2Status.error)
+        self.log(f"{reason}; nothing was changed", Fmi2Status.error)
 
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
         """Begin at start_time; a stop time and a tolerance mean nothing to an exact step."""
-        if math.isfinite(start_time):
-            self._instance.start(start_time)
-        else:
+        if not self._instance.initialising:
+            self._refuse("fmi2SetupExperiment: called after fmi2ExitInitializationMode")
+        elif not math.isfinite(start_time):
             self._refuse(f"fmi2SetupExperiment: startTime is {start_time}, expected a finite number")
+        else:
+            self._instance.time = start_time
 
     def exit_initialization_mode(self) -> None:
         """The initial state is fixed from here on."""
-        self._instance.finish_initialising()
+        self._instance.initialising = False
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """One exact step, or none: then the reason is in the log and nothing has changed."""
-        instance = self._instance
-        reason = instance.refusal(current_time, step_size)
-        if instance.initialising:
-            reason = "called before fmi2ExitInitializationMode"
+        if self._instance.initialising:
+            reason: str | None = "called before fmi2ExitInitializationMode"
+        else:
+            reason = self._instance.advance(current_time, step_size)
         if reason is not None:
-            self._refuse(f"fmi2DoStep: {reason}; nothing was changed")
-            return False
-        instance.advance(current_time, step_size)
-        return True
+            self._refuse(f"fmi2DoStep: {reason}")
+        return reason is None
 
     def get_real(self, vrs: list[int]) -> list[float]:
         """Values of Reals by one gather; NaN for an unknown reference."""
         reals = self._instance.reals()
         if vrs != self._asked:  # a master asks for the same variables at every step
-            if vrs and max(vrs) >= len(reals):
-                self._refuse(f"fmi2GetReal: got value reference {max(vrs)}, expected less than {len(reals)}")
-                return [float(reals[vr]) if vr < len(reals) else math.nan for vr in vrs]
+            if unknown := _unknown(vrs, len(reals)):
+                self._refuse(f"fmi2GetReal: {unknown}")
+                return [float(reals[vr]) if 0 <= vr < len(reals) else math.nan for vr in vrs]
             self._asked, self._places = vrs, np.array(vrs, dtype=np.intp)
         values: list[float] = reals[self._places].tolist()
         return values
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Inputs at any time, damping too, the modal state before initialisation ends."""
-        instance = self._instance
-        if vrs and max(vrs) < instance.layout.inputs.stop:
+        instance, place = self._instance, self._instance.layout
+        if vrs and min(vrs) >= 0 and max(vrs) < place.inputs.stop:
             instance.set_inputs(vrs, values)
             return
-        for vr, value in zip(vrs, values, strict=True):
-            self._set_one(vr, value)
+        given = dict(zip(vrs, values, strict=True))
+        reason = _unknown(vrs, place.size) or next(filter(None, map(self._hindrance, vrs, values)), None)
+        if reason is not None:
+            self._refuse(f"fmi2SetReal: {reason}")
+            return
+        inputs = {vr: value for vr, value in given.items() if vr < place.inputs.stop}
+        states = {vr: value for vr, value in given.items() if vr >= place.q.start}
+        if inputs:
+            instance.set_inputs([*inputs], [*inputs.values()])
+        if states:
+            instance.set_state(states)
+        instance.set_damping(given.get(place.alpha, instance.alpha), given.get(place.beta, instance.beta))
 
-    def _set_one(self, vr: int, value: float) -> None:
+    def _hindrance(self, vr: int, value: float) -> str | None:
+        """Why this Real cannot be set to this value now, or None."""
         instance, place = self._instance, self._instance.layout
+        static = instance.model.initial == "static"
         if vr < place.inputs.stop:
-            instance.set_inputs([vr], [value])
-        elif vr >= place.size:
-            self._refuse(f"fmi2SetReal: got value reference {vr}, expected less than {place.size}")
-        elif vr in self._read_only:
-            self._refuse(f"fmi2SetReal: value reference {vr} is calculated; it cannot be set")
-        elif vr in (place.alpha, place.beta):
-            if 0.0 <= value < math.inf:
-                alpha, beta = instance.alpha, instance.beta
-                instance.set_damping(*((value, beta) if vr == place.alpha else (alpha, value)))
-            else:
-                self._refuse(f"fmi2SetReal: got a damping parameter of {value}, expected a finite number ≥ 0")
-        elif not instance.initialising:
-            self._refuse("fmi2SetReal: the modal state can be set before fmi2ExitInitializationMode only")
-        elif math.isfinite(value):
-            instance.set_state([vr], [value])
-        else:
-            self._refuse(f"fmi2SetReal: got a modal state of {value}, expected a finite number")
+            return None  # a step is where an input must be finite
+        if vr in (place.alpha, place.beta):
+            good = 0.0 <= value < math.inf
+            return None if good else f"got a damping parameter of {value}, expected a finite number ≥ 0"
+        if not place.q.start <= vr < place.v.stop or (static and vr < place.q.stop):
+            return f"value reference {vr} is calculated; it cannot be set"
+        if not instance.initialising:
+            return "the modal state can be set before fmi2ExitInitializationMode only"
+        return None if math.isfinite(value) else f"got a modal state of {value}, expected a finite number"
 
     def get_integer(self, vrs: list[int]) -> list[int]:
         """modes.active, the one Integer."""
-        if any(vrs):
-            self._refuse(f"fmi2GetInteger: got value reference {max(vrs)}, expected 0 (modes.active)")
+        if unknown := _unknown(vrs, 1):
+            self._refuse(f"fmi2GetInteger: {unknown} (modes.active)")
         return [self._instance.active] * len(vrs)
 
     def set_integer(self, vrs: list[int], values: list[int]) -> None:
         """modes.active, the one Integer."""
         r = len(self._instance.model.lam)
-        for vr, value in zip(vrs, values, strict=True):
-            if vr != 0:
-                self._refuse(f"fmi2SetInteger: got value reference {vr}, expected 0 (modes.active)")
-            elif not 0 <= value <= r:
-                self._refuse(f"fmi2SetInteger: got modes.active = {value}, expected 0 … {r}")
-            else:
-                self._instance.set_active(value)
+        if unknown := _unknown(vrs, 1):
+            self._refuse(f"fmi2SetInteger: {unknown} (modes.active)")
+        elif bad := [value for value in values if not 0 <= value <= r]:
+            self._refuse(f"fmi2SetInteger: got modes.active = {bad[0]}, expected 0 … {r}")
+        elif values:
+            self._instance.set_active(values[-1])
+
+    def get_boolean(self, vrs: list[int]) -> list[bool]:
+        """There is no Boolean."""
+        self._refuse("fmi2GetBoolean: this FMU has no Boolean variable")
+        return [False] * len(vrs)
+
+    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        """There is no Boolean."""
+        self._refuse("fmi2SetBoolean: this FMU has no Boolean variable")
+
+    def get_string(self, vrs: list[int]) -> list[str]:
+        """There is no String."""
+        self._refuse("fmi2GetString: this FMU has no String variable")
+        return [""] * len(vrs)
+
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
+        """There is no String."""
+        self._refuse("fmi2SetString: this FMU has no String variable")
 
     def _get_fmu_state(self) -> dict[str, Any]:
         return self._instance.save()
@@ -127,13 +143,19 @@ class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
     def _set_fmu_state(self, state: dict[str, Any] | None) -> None:
         try:
             self._instance.restore(state or {})
-        except (KeyError, TypeError, ValueError) as error:
-            self._refuse(f"fmi2SetFMUstate: not a state of this FMU ({error}); nothing was changed")
+        except (KeyError, TypeError, ValueError, ArithmeticError) as error:
+            self._refuse(f"fmi2SetFMUstate: not a state of this FMU ({error})")
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> dict[str, Any] | None:
         try:
             saved = json.loads(state.rstrip(b"\0"))
-        except ValueError:
+        except (ValueError, RecursionError):
             return None  # refused, with its reason, when it is set
         return saved if isinstance(saved, dict) else None
+
+
+def _unknown(vrs: Sequence[int], size: int) -> str | None:
+    """What is wrong with value references that must be below `size`; those from 2³¹ arrive negative."""
+    bad = [vr for vr in vrs if not 0 <= vr < size]
+    return f"got value reference {bad[0] % 2**32}, expected less than {size}" if bad else None

@@ -8,15 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from .model import Floats, ReducedModel
-
-UNITS = {
-    "force": "N",
-    "displacement": "m",
-    "velocity": "m/s",
-    "acceleration": "m/s2",
-}
-ALONG = {"x": "in x", "y": "in y", "z": "in z"}
+from .model import INPUT_UNITS, OUTPUT_UNITS, Floats, ReducedModel
 
 
 @dataclass(frozen=True)
@@ -134,14 +126,14 @@ def variables(model: ReducedModel) -> tuple[Variable, ...]:
 
 def _input(name: str) -> Variable:
     port, kind, axis = name.split(".")
-    text = f"{kind} {ALONG[axis]} at {port}"
-    return Variable(name, "Real", "input", "continuous", None, text, unit=UNITS[kind], start=0.0)
+    text = f"{kind} in {axis} at {port}"
+    return Variable(name, "Real", "input", "continuous", None, text, unit=INPUT_UNITS[kind], start=0.0)
 
 
 def _output(name: str) -> Variable:
     port, kind, axis = name.split(".")
-    text = f"{kind} {ALONG[axis]} of {port}"
-    return Variable(name, "Real", "output", "continuous", "calculated", text, unit=UNITS[kind])
+    text = f"{kind} in {axis} of {port}"
+    return Variable(name, "Real", "output", "continuous", "calculated", text, unit=OUTPUT_UNITS[kind])
 
 
 def _parameter(name: str, start: float, unit: str, text: str) -> Variable:
@@ -162,9 +154,9 @@ def _state(name: str, word: str, nominal: float, exact: bool) -> Variable:
 
 
 def _nominal(model: ReducedModel, omega: Floats) -> tuple[Floats, Floats]:
-    """|Bᵢ|/λᵢ and |Bᵢ|/ωᵢ: what a force of 1 N gives, and 1 where that is not defined or not positive."""
+    """|Bᵢ|/λᵢ and |Bᵢ|/ωᵢ: what a force of 1 N gives, and 1 where that is no usable number."""
     force = np.abs(model.B).max(axis=1, initial=0.0)
-    usable = (omega > 0) & (force > 0)
+    usable = (omega > 1e-100) & (omega < 1e100) & (force > 1e-100) & (force < 1e100)
     omega = np.where(usable, omega, 1.0)
     force = np.where(usable, force, 1.0)
     return force / omega**2, force / omega

@@ -15,16 +15,16 @@ BOLT_RADIUS, BEARING_RADIUS, BEARING_HEIGHT = 4.5, 12.0, 62.0  # mm
 SIZE, SIZE_HOLE = 5.8, 3.6  # mm: of the cells
 
 
-def main() -> None:
-    """Profile of the L drawn in the xz plane and extruded, rib fused, holes cut."""
+def main(path: Path, finer: float = 1.0) -> None:
+    """Two plates, fillet and rib fused, holes cut; cells `finer` times smaller."""
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.option.setNumber("General.NumThreads", 1)
     gmsh.option.setNumber("Mesh.ElementOrder", 2)
     gmsh.option.setNumber("Mesh.Binary", 1)
-    gmsh.option.setNumber("Mesh.MeshSizeMax", SIZE)
-    gmsh.option.setNumber("Mesh.MeshSizeMin", SIZE_HOLE)
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 12)  # cells per full turn
+    gmsh.option.setNumber("Mesh.MeshSizeMax", SIZE / finer)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", SIZE_HOLE / finer)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 12 * finer)  # cells per full turn
     gmsh.model.add("bracket")
     occ = gmsh.model.occ
     base = occ.addBox(0.0, 0.0, 0.0, BASE, WIDTH, THICKNESS)
@@ -51,7 +51,7 @@ def main() -> None:
     top = _faces((THICKNESS / 2, WIDTH / 2, WALL), (THICKNESS / 2, WIDTH / 2, 0.0))
     gmsh.model.addPhysicalGroup(2, top, name="load_face")
     gmsh.model.mesh.generate(3)
-    gmsh.write(str(Path(__file__).with_name("bracket.msh")))
+    gmsh.write(str(path))
     gmsh.finalize()
 
 
@@ -75,4 +75,4 @@ def _faces(centre: tuple[float, ...], reach: tuple[float, ...]) -> list[int]:
 
 
 if __name__ == "__main__":
-    main()
+    main(Path(__file__).with_name("bracket.msh"))

@@ -1,0 +1,48 @@
+"""What the FMU says to a reader, and the file it says it in."""
+
+import os
+import stat
+import zipfile
+from pathlib import Path
+
+from examples import two_ports
+
+from fmu_src.archive import write_archive
+from fmu_src.documentation import external_dependencies, index_html
+
+
+def test_the_mode_table_has_every_mode_with_its_numbers() -> None:
+    model = two_ports()
+    mass = {axis: [0.5 * k for k in range(6)] for axis in "xyz"}
+    page = index_html(model, mass, 12.5)
+    assert "six modes &amp; two ports &lt;test&gt;" in page
+    assert page.count("<td>rigid</td>") == 2
+    for f in model.frequency:
+        assert f"<td>{f:.6g}</td>" in page
+    assert "<td>2.5</td>" in page
+    assert "12.5 kg" in page
+    assert "left" in page
+    assert "effective mass" not in index_html(model)
+
+
+def test_the_host_is_told_what_it_needs() -> None:
+    text = external_dependencies()
+    for word in ("Python  3.11", "numpy   1.24", "glibc   2.32", "LD_PRELOAD", "PYTHONHOME"):
+        assert word in text
+
+
+def test_the_archive_depends_on_its_content_only(tmp_path: Path) -> None:
+    path = tmp_path / "one.fmu"
+    before = os.umask(0o027)
+    try:
+        write_archive(path, {"b": b"2", "a": b"1"})
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE(path.stat().st_mode) == 0o640
+    with zipfile.ZipFile(path) as archive:
+        entries = archive.infolist()
+    assert [e.filename for e in entries] == ["a", "b"]
+    for entry in entries:
+        assert entry.date_time == (1980, 1, 1, 0, 0, 0)
+        assert entry.external_attr >> 16 == stat.S_IFREG | 0o644
+        assert entry.compress_type == zipfile.ZIP_DEFLATED
