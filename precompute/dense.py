@@ -25,7 +25,9 @@ def dense_modes(pencil: Pencil) -> Pairs:
     try:
         lam, X = eigh(Z.T @ (pencil.K @ Z), Z.T @ (pencil.M @ Z))
     except np.linalg.LinAlgError as error:
-        raise EigenError("M: got a negative kinetic energy, expected a positive definite mass matrix") from error
+        raise EigenError(
+            "M: got a negative kinetic energy, expected a positive definite mass matrix"
+        ) from error
     return Pairs(lam, Z @ X, "dense, LAPACK")
 
 

@@ -82,7 +82,7 @@ def solve_modes(
             f"count: got {count}, the part has {pencil.elastic + rigid.shape[1]} free DOFs with mass"
         )
     if rigid.shape[1]:
-        notice(f"{rigid.shape[1]} rigid modes: the supports leave the part free to move")
+        notice(f"rigid modes: {rigid.shape[1]}, the supports leave the part free to move")
 
     ceiling = 0.0 if max_frequency is None else (2 * np.pi * max_frequency) ** 2
     wanted = 1 if count is None else max(count - rigid.shape[1], 1)
@@ -162,7 +162,9 @@ def _check_request(count: int | None, max_frequency: float | None, free: int) ->
 def _check_matrices(system: System, where: Where) -> None:
     for name, A in (("K", system.K), ("M", system.M)):
         if not np.all(np.isfinite(A.data)):
-            raise EigenError(f"{name}: got NaN or infinite entries, expected finite ones; check the materials")
+            raise EigenError(
+                f"{name}: got NaN or infinite entries, expected finite ones; check the materials"
+            )
         if np.any(A.diagonal() < 0):
             first = int(np.argmax(A.diagonal() < 0))
             raise EigenError(f"{name}: got a negative diagonal entry, first {where(first)}; expected none")

@@ -106,12 +106,13 @@ def factoriser(solver: Solver = "auto") -> Iterator[Callable[[csr_array], Factor
     K − σM for several σ, share one fill-reducing ordering (PARDISO).
     Raises EigenError: A is singular, memory is short, the solver asked for is not installed.
     """
-    if choose(solver) == "superlu":
-        yield _superlu
-        return
-    pardiso = Pardiso()
-    # the threads of OpenBLAS and of MKL would fight for the same cores
+    kind = choose(solver)
+    # the threads of OpenBLAS would fight those of MKL for the cores, and cost more than they give here
     with ThreadpoolController().select(internal_api="openblas").limit(limits=1):
+        if kind == "superlu":
+            yield _superlu
+            return
+        pardiso = Pardiso()
         try:
             yield pardiso.factorise
         finally:

@@ -8,7 +8,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 from .arrays import Floats
 from .errors import EigenError
 from .factor import Factor
-from .pencil import Pairs, Pencil, rayleigh_ritz
+from .pencil import NEGATIVE, Pairs, Pencil, rayleigh_ritz
 
 MEMORY = 8e9  # bytes of vectors
 TOLERANCE = 1e-9  # of ARPACK, relative in 1/(λ − σ); the vectors' error, so that of λ is its square
@@ -21,8 +21,10 @@ def extend(
 ) -> Pairs:
     """The known pairs and k more, the lowest of what is M-orthogonal to the known and the rigid modes.
 
-    factor: of K − σM. The operator P (K − σM)⁻¹ M, P = I − ΦΦᵀM over the known and rigid Φ, has the
-    eigenvalues 1/(λ − σ). All pairs are then refined by Rayleigh–Ritz and their residual is verified.
+    factor: of K − σM. The operator P (K − σM)⁻¹ PᵀM, P = I − ΦΦᵀM over the known and rigid Φ, has the
+    eigenvalues 1/(λ − σ) and 0. P acts on both sides: where symmetry exhausts a Krylov space, Lanczos goes on
+    from rounding, whose rigid part would grow by λ/|σ| at every step. All pairs are then refined by
+    Rayleigh–Ritz and their residual is verified.
     Raises EigenError: no convergence, residual too large, memory.
     Source: Ericsson & Ruhe, Math. Comp. 35 (1980); Lehoucq, Sorensen & Yang, ARPACK Users' Guide, mode 3.
     """
@@ -39,7 +41,7 @@ def extend(
         solves += 1
         if solves % 20 == 0:
             say(f"Lanczos: {solves} solves")
-        x = factor.solve(b)
+        x = factor.solve(b - MQ @ (Q.T @ b))
         projected: Floats = x - Q @ (MQ.T @ x)
         return projected
 
@@ -87,6 +89,8 @@ def residuals(pencil: Pencil, factor: Factor, pairs: Pairs) -> Floats:
 
 
 def _verify(pencil: Pencil, factor: Factor, pairs: Pairs) -> None:
+    if pairs.lam[0] < pencil.sigma:
+        raise EigenError(NEGATIVE)
     rho = residuals(pencil, factor, pairs)
     # the rounding of Kφ, λ_ε, turns into a part of the lowest mode, which (K − σM)⁻¹ enlarges most
     allowed = RESIDUAL + pencil.noise / max(pairs.lam[0] - pencil.sigma, -pencil.sigma)

@@ -10,6 +10,7 @@ from .arrays import Floats
 from .errors import EigenError
 
 SHIFT = 1e4  # · λ_ε: K − σM stays positive definite whatever rounding does, and all modes stay apart
+NEGATIVE = "K: got a motion of negative strain energy, expected none; check springs and where K comes from"
 
 
 @dataclass(frozen=True)
@@ -72,5 +73,7 @@ def rayleigh_ritz(pencil: Pencil, V: Floats, solver: str) -> Pairs:
     try:
         lam, X = eigh(V.T @ (pencil.K @ V), V.T @ (pencil.M @ V))
     except np.linalg.LinAlgError as error:
-        raise EigenError("M: got a negative kinetic energy, expected a positive definite mass matrix") from error
+        raise EigenError(
+            "M: got a negative kinetic energy, expected a positive definite mass matrix"
+        ) from error
     return Pairs(lam, np.asfortranarray(V @ X), solver)

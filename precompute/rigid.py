@@ -8,6 +8,7 @@ from .rounding import without_energy
 from .system import System
 
 HELD = 1e-6  # of the body's size: motions smaller than this at the supports are roundings of the mesh file
+PIVOT = 1e-3  # of a unit vector: nothing smaller is divided by
 
 
 def rigid_modes(system: System, fixed: Ints) -> Floats:
@@ -15,11 +16,14 @@ def rigid_modes(system: System, fixed: Ints) -> Floats:
 
     fixed: DOFs. Gives Phi (n, k), 0 ≤ k ≤ 6. Translations come first where they are free, so that a
     free body has x, y, z, then rotations about its centre of gravity.
-    Springs to ground inside K hold the body as supports do.
+    Springs to ground inside K hold the body as supports do; fixed DOFs that no free one is coupled to do not.
     """
+    free = np.ones(len(system.rigid))
+    free[fixed] = 0.0
+    holding = fixed[(abs(system.K) @ free)[fixed] > 0]
     size = np.max(np.abs(system.rigid), axis=0)
     R = system.rigid[:, size > 0] / size[size > 0]
-    Phi = R @ _preferring_first(_vanishing_at(R[fixed]))
+    Phi = R @ _preferring_first(_vanishing_at(R[holding]))
     Phi[fixed] = 0.0
     Phi = _m_orthonormal(Phi, system.M)
     _, X = np.linalg.eigh(Phi.T @ (system.K @ Phi))
@@ -47,7 +51,7 @@ def _preferring_first(N: Floats) -> Floats:
         if done == len(rows):
             break
         pivot = done + int(np.argmax(np.abs(rows[done:, column])))
-        if abs(rows[pivot, column]) <= HELD:
+        if abs(rows[pivot, column]) <= PIVOT:
             continue
         rows[[done, pivot]] = rows[[pivot, done]]
         rows[done] /= rows[done, column]

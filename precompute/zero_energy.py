@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 from .arrays import Bools, Ints
 from .canonical import canonical_vectors
 from .errors import EigenError, ZeroEnergyError
-from .pencil import Pairs, Pencil
+from .pencil import NEGATIVE, Pairs, Pencil
 from .rigid import rigid_modes
 from .rounding import ZERO, energies
 from .system import System
@@ -58,10 +58,7 @@ def refuse_mechanisms(pencil: Pencil, elastic: Pairs, free: Ints, where: Where) 
     """
     energy, rounding = energies(pencil.K, elastic.Phi)
     if np.any(energy < -ZERO * rounding):
-        raise EigenError(
-            f"K: got {np.sum(energy < -ZERO * rounding)} modes of negative strain energy, expected none; "
-            f"check the sign of springs and where K comes from"
-        )
+        raise EigenError(NEGATIVE)
     zero = energy <= ZERO * rounding
     if zero.any():
         Phi = canonical_vectors(elastic.Phi[:, zero])

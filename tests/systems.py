@@ -4,7 +4,7 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from boxes import box, joined, mapped, mesh_of, steel
+from boxes import box, joined, mapped, steel
 from scipy.sparse import block_diag, csr_array, diags
 
 from precompute.arrays import Floats, Ints
@@ -26,7 +26,7 @@ def along_x(n: int) -> Floats:
 
 
 def chain(n: int, ground: float = 0.0) -> System:
-    """n masses of 1 kg in a row, springs of 1 N/m between them, one of `ground` N/m from the first to ground."""
+    """n masses of 1 kg, springs of 1 N/m between them, one of `ground` N/m from the first to ground."""
     K = diags([-np.ones(n - 1), np.r_[1, np.full(n - 2, 2.0), 1], -np.ones(n - 1)], [-1, 0, 1]).tolil()
     K[0, 0] += ground
     return System(csr_array(diags([np.ones(n)], [0])), csr_array(K.tocsr()), along_x(n))

@@ -1,0 +1,33 @@
+"""Effective masses against the mass of the part and the closed form of a rod."""
+
+import numpy as np
+from boxes import box
+from systems import chain, system_of
+
+from precompute.effective_mass import effective_mass
+from precompute.eigen import solve_modes
+
+NONE = np.zeros(0, dtype=np.int64)
+
+
+def test_all_modes_of_a_free_body_carry_its_mass() -> None:
+    mesh = box("hex8", (2, 1, 1), (0.2, 0.1, 0.1))
+    system = system_of(mesh)
+    modes = solve_modes(system, NONE, count=system.K.shape[0])
+    m = effective_mass(system, modes.Phi)
+    assert m.shape == (3, system.K.shape[0])
+    mass = 7850.0 * 0.2 * 0.1 * 0.1
+    np.testing.assert_allclose(m.sum(axis=1), mass, rtol=1e-12)  # rounding
+    # a free body: its translations carry all of it
+    np.testing.assert_allclose(m[:, :3], mass * np.eye(3), atol=1e-12 * mass)
+
+
+def test_a_rod_held_at_one_end() -> None:
+    """Mode k of a rod fixed at one end: 8/((2k − 1)² π²) of its mass (Clough & Penzien)."""
+    n = 1000
+    system = chain(n, ground=1.0)
+    m = effective_mass(system, solve_modes(system, NONE, count=3).Phi)
+    k = np.arange(1, 4)
+    # n masses against a continuous rod: an error of 1/n
+    np.testing.assert_allclose(m[0] / n, 8 / ((2 * k - 1) ** 2 * np.pi**2), rtol=2 / n)
+    assert not m[1:].any()
