@@ -21,7 +21,7 @@ from .system import System
 from .zero_energy import Where, refuse_dofs_without_stiffness, refuse_loose_pieces, refuse_mechanisms
 
 DENSE = 500  # DOFs up to which all modes at once are as quick as some
-SHARE = 4  # more than n/4 of the modes: all at once
+SHARE = 4  # more than a quarter of the modes: all at once
 ORTHONORMAL = 1e-10  # allowed in ΦᵀMΦ − I; Rayleigh–Ritz leaves 1e-14
 LARGE = 60_000  # DOFs from which SuperLU takes minutes where PARDISO takes seconds
 
@@ -44,6 +44,8 @@ class Modes:
     def __post_init__(self) -> None:
         if self.lam.ndim != 1 or self.Phi.shape[1:] != self.lam.shape:
             raise EigenError(f"Modes: got lam {self.lam.shape}, Phi {self.Phi.shape}; expected (r,), (n, r)")
+        if np.any(self.lam < 0):
+            raise EigenError(f"Modes: got λ = {np.min(self.lam):g}, expected λ ≥ 0")
 
     @property
     def frequencies(self) -> Floats:
@@ -114,7 +116,7 @@ def _elastic_modes(pencil: Pencil, wanted: int, ceiling: float, solver: Solver, 
             return count_below(pencil, factorise, s)
 
         def search(known: Pairs, k: int) -> Pairs:
-            if n <= DENSE or SHARE * (len(known.lam) + k) > n:
+            if n <= DENSE or SHARE * (len(known.lam) + k) > pencil.elastic:
                 say("all modes at once")
                 return dense_modes(pencil)
             say("factorising")

@@ -34,16 +34,12 @@ class Pardiso:
     name = "PARDISO"
 
     def __init__(self) -> None:
-        self._call = library()[
-            "pardiso"
-        ]  # a function object of our own: pypardiso gives argument types to its
+        self._call = library()["pardiso"]  # not the attribute: pypardiso sets argument types of that one
         self._handle = np.zeros(64, dtype=np.int64)
         self._iparm = np.zeros(64, dtype=np.int32)
         self._iparm[0] = 1  # nothing by default
         self._iparm[1] = 2  # METIS; its parallel form does not reproduce its result
-        self._iparm[9] = (
-            30  # perturb pivots below 1e-30 ‖A‖ only: soft modes of slender parts give small ones
-        )
+        self._iparm[9] = 30  # perturb no pivot above 1e-30 ‖A‖: soft modes of slender parts give small ones
         self._iparm[20] = 1  # Bunch–Kaufman pivots, 1×1 and 2×2
         self._iparm[23] = 1  # two-level factorisation: the same bits from run to run, the classic one differs
         self._values = np.zeros(0)
@@ -67,7 +63,9 @@ class Pardiso:
 
     def solve(self, b: Floats) -> Floats:
         """x = A⁻¹ b for b (n,) or (n, m); many columns at once are much cheaper than one by one."""
-        return self._run(SOLVE, np.asfortranarray(b))
+        if len(b) != len(self._starts) - 1:  # MKL would read beyond the array
+            raise EigenError(f"PARDISO: got a right side of {len(b)} rows, expected {len(self._starts) - 1}")
+        return self._run(SOLVE, np.asfortranarray(b, dtype=np.float64))
 
     def negative_pivots(self) -> int | None:
         """The number of negative eigenvalues of A (Sylvester); none where a pivot had to be perturbed."""
@@ -91,9 +89,7 @@ class Pardiso:
         )  # fmt: skip  # the order of the manual, a line per group
         if error.value:
             meaning = MEANING.get(error.value, "see the manual of oneMKL PARDISO")
-            raise EigenError(
-                f'PARDISO: error {error.value} ({meaning}); solver "superlu" is the other choice'
-            )
+            raise EigenError(f'PARDISO: error {error.value} ({meaning}); the other solver is "superlu"')
         return x
 
 

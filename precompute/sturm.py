@@ -32,12 +32,13 @@ def count_below(pencil: Pencil, factorise: Callable[[csr_array], Factor], s: flo
 def gap_above(lam: Floats, wanted: int, ceiling: float, noise: float) -> tuple[int, float] | None:
     """(j, s): the first j eigenvalues, j ≥ wanted, lie below s, the others above; s ≥ ceiling in a clear gap.
 
-    lam: (k,) ascending. None where no gap follows the wanted ones: more eigenvalues are needed.
+    lam: (k,) ascending. s is the ceiling itself where that is clear of its neighbours. None where no gap
+    follows the wanted ones: more eigenvalues are needed.
     """
     found = []
     for j in range(max(wanted, 1), len(lam)):
         low, high = lam[j - 1], lam[j]
-        s = max(0.5 * (low + high), ceiling)
+        s = ceiling if ceiling > low else 0.5 * (low + high)
         width = 2 * min(s - low, high - s)  # of the gap around s
         if width >= max(NARROWEST * high, ROUNDINGS * noise):
             found.append((width / high, j, s))

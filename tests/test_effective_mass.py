@@ -23,7 +23,7 @@ def test_all_modes_of_a_free_body_carry_its_mass() -> None:
 
 
 def test_a_rod_held_at_one_end() -> None:
-    """Mode k of a rod fixed at one end: 8/((2k − 1)² π²) of its mass (Clough & Penzien)."""
+    """Mode k of a rod fixed at one end is sin((2k − 1)πx/2L): (∫φ)²/∫φ² is 8/((2k − 1)²π²) of its length."""
     n = 1000
     system = chain(n, ground=1.0)
     m = effective_mass(system, solve_modes(system, NONE, count=3).Phi)

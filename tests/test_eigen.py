@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from boxes import box
 from scipy.linalg import eigh
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, diags
 from systems import (
     SOLVERS,
     chain,
@@ -131,6 +131,16 @@ class TestNoneMissed:
         np.testing.assert_allclose(few.lam, every.lam[:10], rtol=2e-9)  # dense: ε λ_max/λ₁ = 3e-10
         with pytest.raises(EigenError, match="got 901, the part has 900 free DOFs with mass"):
             solve_modes(massless, NONE, count=901, solver=solver)
+
+    def test_few_masses(self, solver: Solver) -> None:
+        """Two masses on a long row of springs: √(k/m) of two degrees of freedom in series."""
+        n = 600  # springs of 1 N/m: n/2 of them to the first mass, n/2 on to the second
+        M = np.zeros(n)
+        M[[n // 2 - 1, n - 1]] = 1.0
+        system = System(csr_array(diags([M], [0])), chain(n, ground=1.0).K, chain(n).rigid)
+        modes = solve_modes(system, NONE, count=2, solver=solver)
+        golden = np.array([3 - np.sqrt(5), 3 + np.sqrt(5)]) / 2
+        np.testing.assert_allclose(modes.lam, golden * 2 / n, rtol=1e-10)  # ε times the condition of K, 1e5
 
 
 class TestMaxFrequency:

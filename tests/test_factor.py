@@ -59,6 +59,10 @@ class TestFactor:
                 bits.add(factorise(A).solve(b).tobytes())
         assert len(bits) == 1
 
+    def test_sizes(self, solver: Solver) -> None:
+        with factoriser(solver) as factorise, pytest.raises((EigenError, ValueError)):
+            factorise(symmetric(50, 20.0)).solve(np.ones(49))
+
     def test_singular(self, solver: Solver) -> None:
         A = csr_array(np.diag([1.0, 0.0, 2.0]))
         with factoriser(solver) as factorise, pytest.raises(EigenError, match="expected"):

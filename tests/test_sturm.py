@@ -26,8 +26,10 @@ class TestGap:
         [
             (1, 0.0, (1, 2.0)),
             (2, 0.0, (3, 4.0)),  # 3, 3 is a pair: not cut
-            (1, 3.5, (3, 4.0)),  # all below the ceiling
-            (3, 4.5, (3, 4.5)),  # the ceiling itself where it is clear of the neighbours
+            (1, 3.5, (3, 3.5)),  # all below the ceiling, and the ceiling itself where it is clear
+            (3, 4.5, (3, 4.5)),
+            (1, 3.0, (3, 4.0)),  # not in a cluster
+            (1, 5.0 * (1 - 1e-9), (4, 6.0)),  # nor too near the next one
             (4, 0.0, (4, 6.0)),
         ],
     )
