@@ -125,7 +125,7 @@ def _elastic_modes(pencil: Pencil, wanted: int, ceiling: float, solver: Solver, 
         if ceiling and n > DENSE:
             wanted = max(wanted, count(ceiling) or 0)
         pairs = lowest_modes(pencil, search, count, wanted, ceiling)
-    notice(f"{len(pairs.lam)} elastic modes of {n} free DOFs: {pairs.solver}")
+    notice(f"modes of {n} free DOFs by {pairs.solver}")
     return pairs
 
 
