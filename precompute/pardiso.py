@@ -3,13 +3,16 @@
 import ctypes
 import os
 from functools import cache
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
-from scipy.sparse import csr_array, triu
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from .arrays import Floats
 from .errors import EigenError
+
+Ints32: TypeAlias = NDArray[np.int32]
 
 SYMMETRIC = -2  # matrix type: its pivots give the inertia, which type 2 (positive definite) does not
 ANALYSE, FACTORISE, SOLVE, RELEASE = 11, 22, 33, -1  # phases
@@ -48,12 +51,10 @@ class Pardiso:
 
     def factorise(self, A: csr_array) -> "Pardiso":
         """A = L D Lᵀ; A (n, n) symmetric. Frees the factor before. Raises EigenError: memory, zero pivot."""
-        upper = csr_array(triu(A, format="csr"))
-        upper.sort_indices()
-        starts, columns = upper.indptr.astype(np.int32) + 1, upper.indices.astype(np.int32) + 1
+        starts, columns, values = _upper(A)
         if np.any(A.diagonal() == 0):  # PARDISO needs every diagonal entry to be stored
             raise EigenError("PARDISO: got a zero on the diagonal; expected stiffness or mass at every DOF")
-        self._values = upper.data
+        self._values = values
         if not (np.array_equal(starts, self._starts) and np.array_equal(columns, self._columns)):
             self.release()
             self._starts, self._columns = starts, columns
@@ -91,6 +92,15 @@ class Pardiso:
             meaning = MEANING.get(error.value, "see the manual of oneMKL PARDISO")
             raise EigenError(f'PARDISO: error {error.value} ({meaning}); the other solver is "superlu"')
         return x
+
+
+def _upper(A: csr_array) -> tuple[Ints32, Ints32, Floats]:
+    """Row starts and columns from 1, and values, of the triangle j ≥ i; much quicker than scipy's triu."""
+    A.sort_indices()
+    rows = np.repeat(np.arange(A.shape[0], dtype=A.indices.dtype), np.diff(A.indptr))
+    upper = A.indices >= rows
+    starts = np.concatenate([[0], np.cumsum(upper)])[A.indptr]
+    return starts.astype(np.int32) + 1, A.indices[upper].astype(np.int32) + 1, A.data[upper]
 
 
 def _at(array: Any) -> ctypes.c_void_p:
