@@ -42,9 +42,9 @@ def index_html(
         for i, (f, z) in enumerate(zip(model.frequency, ratio, strict=True), start=1)
     ]
     if effective_mass and total_mass:
-        head += [f"effective mass {axis} / kg" for axis in effective_mass]
+        head += [f"effective mass in {axis} / %" for axis in effective_mass]
         for i, row in enumerate(rows):
-            row += [f"{mass[i]:.4g}" for mass in effective_mass.values()]
+            row += [f"{100 * mass[i] / total_mass:.1f}" for mass in effective_mass.values()]
     ports = [[port.name, ", ".join(port.inputs), ", ".join(port.outputs)] for port in model.ports]
     mass = f"<p>Total mass {total_mass:.6g} kg.</p>\n" if total_mass else ""
     return (
