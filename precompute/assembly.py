@@ -7,7 +7,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from .arrays import Floats, Ints
-from .cell_checks import check_materials, check_shapes
+from .cell_checks import check_materials, check_shapes, check_twins
 from .cell_matrices import mass, stiffness
 from .elements import ELEMENTS
 from .material import CellMaterial
@@ -49,6 +49,7 @@ def assemble(
     check_materials(mesh, materials)
     # many small products: BLAS threads would cost more than they give
     with threadpool_limits(limits=1, user_api="blas"):
+        check_twins(mesh)
         check_shapes(mesh)
         K, m = _sums(mesh, materials, progress)
     return System(M=kron_identity(m.symmetric()), K=K.symmetric(), rigid=rigid_motions(mesh.points))

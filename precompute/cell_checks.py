@@ -50,6 +50,19 @@ def check_materials(mesh: Mesh, materials: Sequence[CellMaterial]) -> None:
         )
 
 
+def check_twins(mesh: Mesh) -> None:
+    """Raises MeshError: cells between the same nodes as another; stiffness and mass would count twice."""
+    twins = {}
+    for family, nodes in mesh.cells.items():
+        _, first = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True)
+        twins[family] = np.setdiff1d(np.arange(len(nodes)), first)
+    if _count(twins):
+        raise MeshError(
+            f"cells in the place of another: {_count(twins)}, first {_places(mesh, twins)}; expected "
+            f"one cell between the same nodes: delete the duplicates"
+        )
+
+
 def check_shapes(mesh: Mesh) -> None:
     """Raises MeshError: det J ≤ 0, or zero to rounding, at an integration point of K or M."""
     bad = {family: _inverted(mesh.points, nodes, ELEMENTS[family]) for family, nodes in mesh.cells.items()}

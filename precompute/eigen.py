@@ -12,7 +12,7 @@ from .dense import dense_modes
 from .errors import EigenError
 from .factor import Solver, choose, factoriser
 from .lanczos import extend
-from .notice import notice
+from .notice import notice, warning
 from .pencil import Pairs, Pencil, nothing
 from .rigid import rigid_modes
 from .rounding import eigenvalue_noise
@@ -23,6 +23,7 @@ from .zero_energy import Where, refuse_dofs_without_stiffness, refuse_loose_piec
 DENSE = 500  # DOFs up to which all modes at once are as quick as some
 SHARE = 4  # more than a quarter of the modes: all at once
 ORTHONORMAL = 1e-10  # allowed in ΦᵀMΦ − I; Rayleigh–Ritz leaves 1e-14
+MANY = 300  # modes: the Lanczos basis then costs more than its solves
 LARGE = 60_000  # DOFs from which SuperLU takes minutes where PARDISO takes seconds
 
 Say = Callable[[str], None]
@@ -124,6 +125,11 @@ def _elastic_modes(pencil: Pencil, wanted: int, ceiling: float, solver: Solver, 
 
         if ceiling and n > DENSE:
             wanted = max(wanted, count(ceiling) or 0)
+            if wanted > MANY:
+                warning(
+                    f"max_frequency: about {wanted} modes lie below {np.sqrt(ceiling) / (2 * np.pi):g} Hz; "
+                    f"finding them takes long and the FMU carries them all; lower it, or give a count"
+                )
         pairs = lowest_modes(pencil, search, count, wanted, ceiling)
     notice(f"modes of {n} free DOFs by {pairs.solver}")
     return pairs
@@ -154,7 +160,7 @@ def _check_request(count: int | None, max_frequency: float | None, free: int) ->
             f"modes: got count = {count}, max_frequency = {max_frequency}; expected exactly one of them"
         )
     if free == 0:
-        raise EigenError("fixed: got all DOFs, expected some that are free")
+        raise EigenError("support: got all DOFs held, expected some that are free; take a support out")
     if count is not None and not 1 <= count <= free:
         raise EigenError(f"count: got {count}, the part has {free} free DOFs; expected 1 to {free}")
     if max_frequency is not None and not 0 < max_frequency < np.inf:

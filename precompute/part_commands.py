@@ -67,7 +67,7 @@ def modes(
 
     Example:
 
-        modalfmu modes models/fork --vtu fork.vtu
+        modalfmu modes models/tuning_fork --vtu fork.vtu
 
     Parameters
     ----------

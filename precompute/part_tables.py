@@ -44,7 +44,6 @@ Output: TypeAlias = Literal[
     "acceleration.x", "acceleration.y", "acceleration.z",
 ]
 # fmt: on
-Positive: TypeAlias = Annotated[Number, Field(gt=0)]
 NotNegative: TypeAlias = Annotated[Number, Field(ge=0)]
 # Far beyond any part, and (2πf)², 1/(2h) and ratios of them stay far from overflow.
 Hertz: TypeAlias = Annotated[Number, Field(ge=1e-9, le=1e12)]
@@ -74,14 +73,14 @@ class Material(Table):
     """[[material]]: isotropic and linear elastic, for the cells of the set `cells` or all that are left."""
 
     name: Text = Field(description="a name of its own", examples=['name = "steel"'])
-    young: Positive = Field(
-        description="Young's modulus in Pa, a finite number > 0", examples=["young = 210e9"]
+    young: Annotated[Number, Field(ge=1e-3, le=1e18)] = Field(
+        description="Young's modulus in Pa, a finite number > 0 (1e-3 to 1e18)", examples=["young = 210e9"]
     )
     poisson: Annotated[Number, Field(gt=-1, lt=0.5)] = Field(
         description="Poisson's ratio, a number with -1 < ν < 0.5", examples=["poisson = 0.3"]
     )
-    density: Positive = Field(
-        description="the density in kg/m³, a finite number > 0", examples=["density = 7850.0"]
+    density: Annotated[Number, Field(ge=1e-9, le=1e9)] = Field(
+        description="the density in kg/m³, a finite number > 0 (1e-9 to 1e9)", examples=["density = 7850.0"]
     )
     cells: Text | None = Field(
         default=None, description="the name of a cell set of the mesh", examples=['cells = "body"']

@@ -1,6 +1,7 @@
 """From a part file to its reduced model, and on to the FMU: the stages one after the other."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,9 +15,10 @@ from fmu_src.runtime.model import ReducedModel
 from .arrays import Floats, Ints
 from .assembly import assemble
 from .damping import damping_of
+from .doubts import doubt_held_ports, doubt_linear_cells, doubt_units
 from .effective_mass import effective_mass, total_mass
 from .eigen import Modes, solve_modes
-from .errors import PartError, SelectionError
+from .errors import EigenError, ModelError, PartError, SelectionError
 from .material import CellMaterial
 from .mesh import Mesh
 from .part import Part
@@ -55,6 +57,7 @@ def reduce_part(part: Part, progress: Progress = silent) -> Reduction:
 
     Raises a ModalFmuError, one line that begins with the part file's name and key where one is at fault.
     """
+    doubt_units(part)
     progress("reading the mesh", None)
     mesh = read_mesh(part.mesh, part.length_unit)
     ports = [
@@ -62,25 +65,29 @@ def reduce_part(part: Part, progress: Progress = silent) -> Reduction:
         for k, port in enumerate(part.ports)
     ]
     fixed = _fixed_dofs(part, mesh)
+    doubt_linear_cells(mesh)
+    doubt_held_ports(part, [where for _, where in ports], fixed)
     system = assemble(mesh, _materials(part, mesh), lambda fraction: progress("assembling K and M", fraction))
-    modes = solve_modes(
-        system,
-        fixed,
-        count=part.modes.count,
-        max_frequency=part.modes.max_frequency,
-        where=lambda dof: _place(mesh, dof),
-        progress=lambda stage: progress(stage, None),
-    )
+    with _named(part):
+        modes = solve_modes(
+            system,
+            fixed,
+            count=part.modes.count,
+            max_frequency=part.modes.max_frequency,
+            where=lambda dof: _place(mesh, dof),
+            progress=lambda stage: progress(stage, None),
+        )
     progress("reducing", None)
-    model = reduce(
-        part.name,
-        part.description or "",
-        modes.lam,
-        modes.Phi,
-        damping_of(part.damping, modes.lam),
-        ports,
-        part.modes.initial,
-    )
+    with _named(part):
+        model = reduce(
+            part.name,
+            part.description or "",
+            modes.lam,
+            modes.Phi,
+            damping_of(part.damping, modes.lam),
+            ports,
+            part.modes.initial,
+        )
     return Reduction(
         part,
         mesh,
@@ -101,6 +108,15 @@ def package(reduction: Reduction, path: Path, progress: Progress = silent) -> Pa
     return build_python_fmu(
         reduction.model, path, {"documentation/index.html": table.encode(), **write_shape(shape)}
     )
+
+
+@contextmanager
+def _named(part: Part) -> Iterator[None]:
+    """Mistakes of the part as a whole begin with its file's name."""
+    try:
+        yield
+    except (EigenError, ModelError) as error:
+        raise type(error)(f"{part.source.name}: {error}") from error
 
 
 def _port_nodes(part: Part, mesh: Mesh, k: int) -> PortNodes:

@@ -124,3 +124,15 @@ def test_material_numbers_out_of_range(key: str, value: float) -> None:
     good = {"young": 210e9, "poisson": 0.3, "density": 7850.0}
     with pytest.raises(ModalFmuError, match=f"material 'steel': got {key} = {value}; expected"):
         CellMaterial("steel", **(good | {key: value}), cells={})
+
+
+@pytest.mark.parametrize("family", ["hex8", "tet10"])
+def test_a_cell_in_the_place_of_another_is_refused(family: str) -> None:
+    mesh = box(family, (2, 1, 1))
+    cells = mesh.cells[family]
+    turned = cells[1, [1, 2, 3, 0, 5, 6, 7, 4]] if family == "hex8" else cells[1]
+    twins = mesh_of(mesh.points, {family: np.concatenate([cells, turned[None]])})
+    text = message(twins, steel(twins))
+    assert text.startswith("cells in the place of another: 1, first ")
+    assert f"{family} cell {len(cells) + 1} " in text
+    assemble(mesh, steel(mesh))
