@@ -1,12 +1,12 @@
 """All elastic modes of a small pencil at once."""
 
 import numpy as np
-from scipy.linalg import eigh, qr
+from scipy.linalg import qr
 
 from .arrays import Floats
 from .errors import EigenError
 from .lanczos import check_memory
-from .pencil import Pairs, Pencil
+from .pencil import Pairs, Pencil, rayleigh_ritz
 
 ARRAYS = 8  # of n × n doubles at the peak
 
@@ -22,13 +22,7 @@ def dense_modes(pencil: Pencil) -> Pairs:
     T = _with_mass(pencil)
     rigid = T.T @ (pencil.M @ pencil.rigid)
     Z = T @ qr(rigid)[0][:, rigid.shape[1] :] if rigid.shape[1] else T
-    try:
-        lam, X = eigh(Z.T @ (pencil.K @ Z), Z.T @ (pencil.M @ Z))
-    except np.linalg.LinAlgError as error:
-        raise EigenError(
-            "M: got a negative kinetic energy, expected a positive definite mass matrix"
-        ) from error
-    return Pairs(lam, Z @ X, "dense, LAPACK")
+    return rayleigh_ritz(pencil, Z, "dense, LAPACK")
 
 
 def _with_mass(pencil: Pencil) -> Floats:

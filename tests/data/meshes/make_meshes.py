@@ -5,11 +5,12 @@ a surface "end" of the other sense (x = 2), a line "edge", a point "corner", vol
 a name), both in "body".
 """
 
+import os
 from pathlib import Path
 
 import gmsh
 
-FOLDER = Path(__file__).parent
+os.chdir(Path(__file__).parent)  # decks carry the path they were written to
 
 
 def boxes(hexahedra: bool) -> None:
@@ -50,7 +51,7 @@ def write(name: str, version: float = 4.1, binary: bool = False, everything: boo
     gmsh.option.setNumber("Mesh.MshFileVersion", version)
     gmsh.option.setNumber("Mesh.Binary", binary)
     gmsh.option.setNumber("Mesh.SaveAll", everything)
-    gmsh.write(str(FOLDER / name))
+    gmsh.write(name)
 
 
 gmsh.initialize()
