@@ -57,6 +57,7 @@ def simulate(
     """
     from .deformed_series import write_series
     from .fmu_face import read_face, read_settings
+    from .notice import notice
     from .plot import write_plot
     from .shape import read_shape
     from .signals import read_signals
@@ -88,4 +89,7 @@ def simulate(
         if vtu is not None and shape is not None:
             tell("writing the deformed shape", None)
             written.append(write_series(vtu, shape, simulation.time, simulation.q, scale))
+    if signals is None and face.inputs and not {*values} & {*face.inputs}:
+        example = f"--set {face.inputs[0]}=1"
+        notice(f"no input was given, all keep their start values; add {example}, or --input FILE.csv")
     show(summary(simulation), *(f"{path} written" for path in written))

@@ -202,6 +202,7 @@ def test_default_experiment(fmu: Path, tmp_path: Path) -> None:
     face = read_face(fmu)
     assert done.returncode == 0, done.stderr
     assert f"to {face.stop:g} s" in done.stdout
+    assert "note: no input was given, all keep their start values; add --set tip.force.x=1" in done.stderr
     assert "\x1b" not in done.stdout + done.stderr
     steps = round(face.stop / face.step)
     if steps > 20_000:
