@@ -227,3 +227,10 @@ class TestDamping:
     def test_refuses_what_is_no_matrix(self, D_rest: Floats) -> None:
         with pytest.raises(ModalFmuError, match=r"expected \(r, r\)"):
             Damping(0.0, 0.0, D_rest)
+
+
+def test_fitted_ratios_on_a_free_body_say_that_alpha_damps_it(said: pytest.LogCaptureFixture) -> None:
+    lam = np.array([0.0, 0.0, 100.0, 2500.0])
+    damping = fit_ratios(lam, [(1.0, 0.02), (8.0, 0.02)])
+    assert damping.alpha > 0
+    assert "damps the 2 rigid modes too" in said.text

@@ -137,6 +137,15 @@ def test_no_whole_face_no_weights(nodes: list[int]) -> None:
     assert area_weights(box("hex20", (1, 1, 1)), np.array(nodes, dtype=np.int64)) is None
 
 
+@pytest.mark.parametrize(("family", "missing"), [("tet10", 1), ("hex8", 1), ("hex20", 1)])
+def test_a_face_without_one_of_its_nodes_does_not_count(family: str, missing: int) -> None:
+    """All corners but one mid-edge node, or three corners of four, are no whole face."""
+    mesh = box(family, (1, 1, 1))
+    (_, faces), *_ = exterior_faces(mesh).items()
+    assert area_weights(mesh, np.sort(faces[0])) is not None
+    assert area_weights(mesh, np.sort(faces[0][:-missing])) is None
+
+
 def test_a_whole_face_between_two_cells_is_not_a_surface() -> None:
     mesh = box("hex8", (2, 1, 1), (2.0, 1.0, 1.0))
     assert area_weights(mesh, side(mesh, axis=0, at=1.0)) is None
