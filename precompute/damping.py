@@ -42,10 +42,6 @@ class Damping:
                 "none on the diagonal below 0"
             )
 
-    def diagonal(self, lam: Floats) -> Floats:
-        """dᵢ = α + β λᵢ + D_rest,ᵢᵢ [2.28]; lam (r,), result (r,) in 1/s."""
-        return self.alpha + self.beta * lam + np.diag(self.D_rest)
-
 
 def rayleigh(lam: Floats, alpha: float, beta: float) -> Damping:
     """D = αM + βK, so dᵢ = α + β λᵢ [2.28]; lam (r,), alpha in 1/s, beta in s.

@@ -54,6 +54,18 @@ def test_warnings_made_errors_by_the_host_do_not_matter(instance: Instance) -> N
         assert np.isfinite(instance.reals()[: instance.layout.outputs.stop]).all()
 
 
+def test_an_infinite_input_at_a_static_start_is_refused_by_the_step_only() -> None:
+    lam = np.array([3.0, 7.0, 30.0, 30.0, 400.0, 9000.0])
+    instance = Instance(two_ports(lam=lam, initial="static"))
+    with np.errstate(all="raise"):
+        instance.set_inputs([0], [np.inf])
+        instance.set_damping(1e308, 1e308)
+        instance.set_damping(0.3, 1e-3)
+        instance.set_inputs([0], [1.0])
+        instance.initialising = False
+        assert instance.advance(0.0, 0.1) is None
+
+
 def test_motion_beyond_numbers_is_refused_and_nothing_changes(instance: Instance) -> None:
     before = instance.reals().copy()
     assert "beyond the range of numbers" in str(instance.advance(0.0, 1e300))

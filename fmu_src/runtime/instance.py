@@ -42,8 +42,9 @@ class Instance:
         """Take up α, β: the step coefficients of earlier ones no longer hold."""
         place, y = self.layout, self._reals
         y[place.alpha], y[place.beta] = self.alpha, self.beta
-        y[place.damping_ratio] = self.model.damping_ratio(self.alpha, self.beta)
-        lam, d = self.model.lam, self.model.damping(self.alpha, self.beta)
+        with np.errstate(all="ignore"):  # the host may have made numpy's warnings errors
+            y[place.damping_ratio] = self.model.damping_ratio(self.alpha, self.beta)
+            lam, d = self.model.lam, self.model.damping(self.alpha, self.beta)
 
         @lru_cache(maxsize=KEPT_STEP_SIZES)
         def coefficients(h: float) -> Propagator:
@@ -60,7 +61,8 @@ class Instance:
     def _settle(self) -> None:
         """A static start follows the inputs until initialisation ends."""
         if self.initialising and self.model.initial == "static":
-            q = static_solution(self.model.lam, self._modal_force()).q
+            with np.errstate(all="ignore"):  # an input may be infinite
+                q = static_solution(self.model.lam, self._modal_force()).q
             self.state = State(q, self.state.v)
         self._stale = True
 
@@ -73,7 +75,7 @@ class Instance:
         if not np.isfinite(self.u).all():
             bad = int(np.flatnonzero(~np.isfinite(self.u))[0])
             return f"{self.model.inputs[bad]} is {self.u[bad]}, expected a finite number"
-        with np.errstate(all="ignore"):  # the host may have made numpy's warnings errors
+        with np.errstate(all="ignore"):
             state = step(self._propagator(h), self.state, self._modal_force())
             if not np.isfinite(state.q @ state.q + state.v @ state.v):
                 return f"the motion over communicationStepSize = {h} is beyond the range of numbers"
