@@ -62,21 +62,22 @@ RATES = st.floats(-4, 4).map(lambda x: 10.0**x)
     d=st.one_of(st.just(0.0), RATES),
     h=st.floats(-4, 2).map(lambda x: 10.0**x),
     split=st.floats(0.05, 0.95),
-    start=st.tuples(*[st.one_of(st.just(0.0), st.floats(1e-100, 1), st.floats(-1, -1e-100))] * 4),
+    start=st.tuples(*[st.one_of(st.just(0.0), st.floats(1e-100, 1), st.floats(-1, -1e-100))] * 5),
 )
 def test_semigroup(lam: float, d: float, h: float, split: float, start: tuple[float, ...]) -> None:
-    """Two steps h₁ + h₂ = one of h under the same linear force, whatever the damping."""
-    q, v, f, f_dot = start
+    """Two steps h₁ + h₂ = one of h under the same quadratic force, whatever the damping."""
+    q, v, f, f_dot, f_ddot = start
     lam_, d_ = lam * ONE, d * ONE
     h1 = split * h
     h2 = h - h1
     state = State(q * ONE, v * ONE)
-    whole = step(propagator(lam_, d_, h), state, f * ONE, f_dot * ONE)
-    half = step(propagator(lam_, d_, h1), state, f * ONE, f_dot * ONE)
-    both = step(propagator(lam_, d_, h2), half, (f + f_dot * h1) * ONE, f_dot * ONE)
+    whole = step(propagator(lam_, d_, h), state, f * ONE, f_dot * ONE, f_ddot * ONE)
+    half = step(propagator(lam_, d_, h1), state, f * ONE, f_dot * ONE, f_ddot * ONE)
+    there, rate_there = f + f_dot * h1 + f_ddot * h1**2 / 2, f_dot + f_ddot * h1
+    both = step(propagator(lam_, d_, h2), half, there * ONE, rate_there * ONE, f_ddot * ONE)
     # rounding of h and ω becomes a phase of ωh roundings; the terms that are summed set the scale
     P = propagator(lam_, d_, h)
-    force = abs(f) + abs(f_dot) * h
+    force = abs(f) + abs(f_dot) * h + abs(f_ddot) * h**2
     q_scale = max(abs(q), abs(half.q[0])) + min(h, 1 / max(d, math.sqrt(lam), 1e-300)) * max(
         abs(v), abs(half.v[0])
     )
@@ -88,20 +89,23 @@ def test_semigroup(lam: float, d: float, h: float, split: float, start: tuple[fl
     assert abs(whole.v[0] - both.v[0]) <= bound * v_scale
 
 
-def test_linear_force_is_exact() -> None:
+def test_quadratic_force_is_exact() -> None:
     """Over-, critically, under-damped and rigid modes at once against expm of the augmented matrix."""
     lam = np.array([0.0, 4.0, 4.0, 4.0])
     d = np.array([0.5, 0.4, 4.0, 40.0])
     rng = np.random.default_rng(1)
-    q, v, f, f_dot = rng.standard_normal((4, 4))
+    q, v, f, f_dot, f_ddot = rng.standard_normal((5, 4))
     h = 0.8
-    after = step(propagator(lam, d, h), State(q, v), f, f_dot)
+    after = step(propagator(lam, d, h), State(q, v), f, f_dot, f_ddot)
     for i in range(4):
-        A = np.array([[0, 1, 0, 0], [-lam[i], -d[i], 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]])
-        exact = expm(A * h) @ [q[i], v[i], f[i], f_dot[i]]
+        A = np.zeros((5, 5))  # of q, q̇, f, ḟ, f̈
+        A[0, 1] = A[1, 2] = A[2, 3] = A[3, 4] = 1.0
+        A[1, :2] = -lam[i], -d[i]
+        exact = expm(A * h) @ [q[i], v[i], f[i], f_dot[i], f_ddot[i]]
         np.testing.assert_allclose([after.q[i], after.v[i]], exact[:2], rtol=1e-13)  # expm's own rounding
-        held = expm(A * h) @ [q[i], v[i], f[i], 0.0]
-        assert abs(held[0] - after.q[i]) > 1e-3  # the rate of the force matters here
+        for rates in ([0.0, f_ddot[i]], [f_dot[i], 0.0]):
+            other = expm(A * h) @ [q[i], v[i], f[i], *rates]
+            assert abs(other[0] - after.q[i]) > 1e-4  # each rate of the force matters here
 
 
 def test_energy_balance() -> None:

@@ -21,15 +21,17 @@ def at_rest(r: int) -> State:
     return State(np.zeros(r), np.zeros(r))
 
 
-def step(P: Propagator, state: State, f: Floats, f_dot: Floats | float = 0.0) -> State:
-    """[q, v](t+h) = E(h) [q, v](t) + G₀(h) f + G₁(h) ḟ, exact for the modal force f + ḟ·s [2.33].
+def step(
+    P: Propagator, state: State, f: Floats, f_dot: Floats | float = 0.0, f_ddot: Floats | float = 0.0
+) -> State:
+    """[q, v](t+h) = E(h) [q, v](t) + G₀(h) f + G₁(h) ḟ + G₂(h) f̈, exact for the force f + ḟ s + f̈ s²/2.
 
-    f: (r,) modal forces Bu at the start of the step, f_dot: (r,) their rates over it.
+    f: (r,) modal forces Bu at the start of the step, f_dot, f_ddot: (r,) their first two rates there [2.33].
     """
     q, v = state.q, state.v
     return State(
-        P.E11 * q + P.E12 * v + P.G0 * f + P.G1 * f_dot,
-        P.E21 * q + P.E22 * v + P.E12 * f + P.G0 * f_dot,
+        P.E11 * q + P.E12 * v + P.G0 * f + P.G1 * f_dot + P.G2 * f_ddot,
+        P.E21 * q + P.E22 * v + P.E12 * f + P.G0 * f_dot + P.G1 * f_ddot,
     )
 
 
