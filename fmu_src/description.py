@@ -1,7 +1,8 @@
-"""modelDescription.xml of FMI 2.0, generated from the reduced model alone: the same for every twin."""
+"""modelDescription.xml of FMI 2.0, generated from the reduced model: the same variables for every twin."""
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 from .runtime.model import ReducedModel
@@ -19,19 +20,24 @@ SI = {  # exponents of the SI base units
 }
 STEPS_PER_PERIOD = 20  # of the highest mode: enough to draw it
 PERIODS = 10  # of the lowest elastic mode
-LOG_CATEGORIES = {
-    "logStatusWarning": "Log messages with fmi2Warning status.",
-    "logStatusDiscard": "Log messages with fmi2Discard status.",
-    "logStatusError": "Calls that were refused, with the reason.",
-    "logStatusFatal": "Log messages with fmi2Fatal status.",
-    "logAll": "Log all messages.",
-}
 
 
-def model_description(
-    model: ReducedModel, *, guid: str, generation_tool: str, capabilities: Mapping[str, str]
-) -> bytes:
-    """The XML file as UTF-8; `capabilities` are the attributes of CoSimulation beside modelIdentifier."""
+@dataclass(frozen=True)
+class Twin:
+    """What the description says of the code that runs the model.
+
+    interfaces: ModelExchange and CoSimulation in this order, or one of them → its attributes beside
+    modelIdentifier; log_categories: name → description; sources: what to compile of the folder `sources/`.
+    """
+
+    generation_tool: str
+    interfaces: Mapping[str, Mapping[str, str]]
+    log_categories: Mapping[str, str]
+    sources: tuple[str, ...] = ()
+
+
+def model_description(model: ReducedModel, twin: Twin, guid: str) -> bytes:
+    """The XML file as UTF-8."""
     listed = variables(model)
     root = ET.Element(
         "fmiModelDescription",
@@ -40,19 +46,24 @@ def model_description(
             "modelName": model.name,
             "guid": guid,
             "description": model.description,
-            "generationTool": generation_tool,
+            "generationTool": twin.generation_tool,
             "variableNamingConvention": "structured",
             "numberOfEventIndicators": "0",
         },
     )
-    ET.SubElement(root, "CoSimulation", {"modelIdentifier": model.name, **capabilities})
+    for name, capabilities in twin.interfaces.items():
+        interface = ET.SubElement(root, name, {"modelIdentifier": model.name, **capabilities})
+        if twin.sources:
+            files = ET.SubElement(interface, "SourceFiles")
+            for source in twin.sources:
+                ET.SubElement(files, "File", name=source)
     units = ET.SubElement(root, "UnitDefinitions")
     for name in sorted({variable.unit for variable in listed if variable.unit}):
         ET.SubElement(
             ET.SubElement(units, "Unit", name=name), "BaseUnit", {k: str(v) for k, v in SI[name].items()}
         )
     categories = ET.SubElement(root, "LogCategories")
-    for name, text in LOG_CATEGORIES.items():
+    for name, text in twin.log_categories.items():
         ET.SubElement(categories, "Category", name=name, description=text)
     stop, step = default_experiment(model)
     ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime=repr(stop), stepSize=repr(step))

@@ -1,7 +1,8 @@
 """What the FMU says to a reader: the table of its modes, and what its host must have."""
 
 from html import escape
-from importlib.metadata import version
+from importlib.metadata import distribution, version
+from textwrap import dedent
 
 from .runtime.model import ReducedModel
 
@@ -31,6 +32,45 @@ All FMUs of this kind in one process share one Python interpreter.
 """
 
 
+def licences(*packages: str) -> str:
+    """The licence texts of installed packages."""
+    texts: list[str] = []
+    for name in packages:
+        files = [f for f in distribution(name).files or () if f.name.upper().startswith("LICEN")]
+        texts += [f"{name} {version(name)}\n\n{f.read_text(encoding='utf-8')}" for f in files]
+    return "\n\n".join(texts)
+
+
+def fmi_licence(header: bytes) -> str:
+    """Copyright and licence of the FMI headers, as one of them tells them at its beginning."""
+    text = header.decode()
+    notice = text[text.index("Copyright (C)") : text.index("*/")]
+    return f"The FMI 2.0 headers in sources/\n\n{dedent('   ' + notice).strip()}\n"
+
+
+def sources_readme(name: str) -> str:
+    """The text of `sources/README.txt`: how to compile the part called `name` for another target."""
+    return f"""\
+The source code of {name}: modalfmu.c includes all the other files. It needs a C11 compiler and the C
+library; no threads, no C++, no other library. The FMI 2.0 headers are here.
+
+A shared library, which reads its model from the resources of the FMU:
+
+  cc -std=c11 -O3 -shared -fPIC -fvisibility=hidden modalfmu.c -o {name}.so -lm
+
+Linked into a program, the functions of each FMU with a prefix of their own ({name}_fmi2DoStep):
+
+  cc -std=c11 -O3 -DFMI2_FUNCTION_PREFIX={name}_ -c modalfmu.c -o {name}.o
+
+On a target without a file system the model comes from embedded_model.c, with either command:
+
+  cc -std=c11 -O3 -DMODALFMU_EMBEDDED_MODEL ...
+
+fmi2Instantiate then ignores fmuResourceLocation. Memory is taken in fmi2Instantiate and fmi2GetFMUstate only,
+through the functions that the host gives.
+"""
+
+
 def index_html(
     model: ReducedModel, effective_mass: dict[str, list[float]] | None = None, total_mass: float | None = None
 ) -> str:
@@ -54,7 +94,7 @@ def index_html(
         f"<body><h1>{escape(model.name)}</h1>\n<p>{escape(model.description)}</p>\n{mass}"
         f"<p>Reduced modal model of {len(model.lam)} modes, damping &alpha; = {model.alpha:g} 1/s, "
         f"&beta; = {model.beta:g} s. Each mode advances by the analytic solution of its equation of motion, "
-        "exact for a force held constant over the step, at any step size.</p>\n"
+        "exact for the force as it is given over the step, at any step size.</p>\n"
         f"<h2>Ports</h2>\n{_table(['port', 'inputs', 'outputs'], ports)}"
         f"<h2>Modes</h2>\n{_table(head, rows)}</body></html>\n"
     )

@@ -1,124 +1,32 @@
-"""ReducedModel → .fmu: the Python twin, packaged with pythonfmu.
-
-pythonfmu runs every FMU of a process in one interpreter and finds an FMU's code by its module name.
-So the payload carries a name of its own, made from its content: two parts, or two versions of one
-part, run side by side.
-"""
+"""What the FMUs of both twins share: the archive whose GUID is made of its content."""
 
 import hashlib
-import importlib
-import sys
-import tempfile
-import zipfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from importlib.metadata import distribution, version
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from uuid import UUID
 
-from pythonfmu import FmuBuilder
-
-from . import runtime
 from .archive import write_archive
-from .description import model_description
-from .documentation import external_dependencies
-from .runtime.model import ReducedModel
-from .runtime.resources import write_model
 
-CAPABILITIES = {
-    "needsExecutionTool": "true",  # a Python interpreter with numpy on the host
-    "canHandleVariableCommunicationStepSize": "true",
-    "canNotUseMemoryManagementFunctions": "true",
-    "canGetAndSetFMUstate": "true",
-    "canSerializeFMUstate": "true",
-}
 DESCRIPTION = "modelDescription.xml"
 
 
-def build_python_fmu(model: ReducedModel, path: Path, extra: Mapping[str, bytes] | None = None) -> Path:
+def write_fmu(
+    path: Path, files: Mapping[str, bytes], files_with_guid: Callable[[str], Mapping[str, bytes]]
+) -> Path:
     """Write the FMU and return its path; the same content gives the same bytes.
 
-    extra: more files of the archive by their names in it, such as `documentation/index.html`.
+    files_with_guid: those files that hold the GUID, made for it; it is made of all files with an empty one.
     Raises OSError where the file cannot be written; nothing half-written is left behind.
     """
-    files = _payload(model)
-    files |= {
-        "documentation/externalDependencies.txt": external_dependencies().encode(),
-        "documentation/licenses/license.txt": _licences().encode(),
-        **(extra or {}),
-    }
-    generation_tool = f"modalfmu {version('modalfmu')} (pythonfmu {version('pythonfmu')})"
-
-    def description(guid: str) -> bytes:
-        return model_description(model, guid=guid, generation_tool=generation_tool, capabilities=CAPABILITIES)
-
-    digest = _digest({**files, DESCRIPTION: description("")})
-    files[DESCRIPTION] = description(f"{{{UUID(digest[:32])}}}")
-    write_archive(path, files)
+    guid = UUID(digest({**files, **files_with_guid("")})[:32])
+    write_archive(path, {**files, **files_with_guid(f"{{{guid}}}")})
     return path
 
 
-def _payload(model: ReducedModel) -> dict[str, bytes]:
-    """Binaries and resources: what pythonfmu makes of the runtime under its own module name."""
-    sources = {p.name: p.read_bytes() for p in sorted(Path(runtime.__path__[0]).glob("*.py"))}
-    arrays = write_model(model)
-    module = f"{model.name}_{_digest({**sources, **arrays})[:8]}"
-    with tempfile.TemporaryDirectory() as scratch:
-        folder = Path(scratch)
-        _write(folder / module, sources)
-        _write(folder / "model", arrays)
-        entry = folder / f"{module}_fmu.py"
-        entry.write_text(
-            f"from {module}.host import keep\nfrom {module}.slave import ModalSlave\n\nkeep(globals())\n\n\n"
-            f'class Part(ModalSlave):\n    """The reduced model of {model.name}."""\n'
-        )
-        raw = folder / "raw.fmu"
-        with _imports_undone(folder):
-            FmuBuilder.build_FMU(entry, dest=raw, project_files=[folder / module, folder / "model"])
-        with zipfile.ZipFile(raw) as archive:
-            return {
-                name: archive.read(name)
-                for name in archive.namelist()
-                if name != DESCRIPTION and not name.endswith("/")
-            }
-
-
-@contextmanager
-def _imports_undone(folder: Path) -> Iterator[None]:
-    """The builder imports the payload from a scratch folder: forget it afterwards."""
-    before, path = set(sys.modules), list(sys.path)
-    sys.path.insert(0, str(folder))
-    importlib.invalidate_caches()
-    writes_bytecode, sys.dont_write_bytecode = sys.dont_write_bytecode, True
-    try:
-        yield
-    finally:
-        sys.path[:] = path
-        sys.dont_write_bytecode = writes_bytecode
-        for name in set(sys.modules) - before:
-            origin = getattr(sys.modules[name], "__file__", None)
-            if origin and Path(origin).is_relative_to(folder):
-                del sys.modules[name]
-
-
-def _write(folder: Path, files: Mapping[str, bytes]) -> None:
-    folder.mkdir()
-    for name, content in files.items():
-        (folder / name).write_bytes(content)
-
-
-def _digest(files: Mapping[str, bytes]) -> str:
+def digest(files: Mapping[str, bytes]) -> str:
+    """SHA-256 of names and contents, in hexadecimal digits."""
     total = hashlib.sha256()
     for name in sorted(files):
         total.update(f"{name}\0{len(files[name])}\0".encode())
         total.update(files[name])
     return total.hexdigest()
-
-
-def _licences() -> str:
-    """The licence texts of modalfmu and pythonfmu, from their installed packages."""
-    texts: list[str] = []
-    for name in ("modalfmu", "pythonfmu"):
-        files = [f for f in distribution(name).files or () if f.name.upper().startswith("LICEN")]
-        texts += [f"{name} {version(name)}\n\n{f.read_text(encoding='utf-8')}" for f in files]
-    return "\n\n".join(texts)

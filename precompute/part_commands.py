@@ -21,7 +21,8 @@ def build(
     /,
     *,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
-    runtime: Literal["python"] = "python",
+    runtime: Literal["native", "python"] = "native",
+    platform: str | None = None,
 ) -> None:
     """Build the FMU of a part and show its modes.
 
@@ -36,23 +37,31 @@ def build(
     output
         The FMU, or a folder for it. Left out: NAME.fmu in the current folder.
     runtime
-        What runs inside the FMU. "python": needs Python and numpy where the FMU runs.
+        What runs inside the FMU. "native": a library that needs nothing where the FMU runs. "python": the
+        same equations in Python, which needs Python and numpy there.
+    platform
+        Where the native FMU runs: linux64, win64, darwin64, aarch64-linux, several with commas, or all.
+        Left out: where its libraries are there. After `pip install "modalfmu[cross]"` the others are
+        compiled when they are first asked for.
     """
     from .mode_report import mode_table
     from .part import read_part
     from .pipeline import package, reduce_part
+    from .runtimes import choose_runtime
 
     started = time.monotonic()
     described = read_part(part)
     path = fmu_path(described.name, output)
     check_writable(path)
     with progress() as tell:
+        inside = choose_runtime(runtime, platform, tell)
         reduction = reduce_part(described, tell)
-        package(reduction, path, tell)
+        package(reduction, path, tell, inside.build)
     show(
         mode_table(reduction),
-        f"{path}: {path.stat().st_size / 1e6:.2f} MB, {runtime} runtime, {reduction.dofs} degrees of freedom "
-        f"→ {len(reduction.model.lam)} modes, {reduction.modes.solver}, {time.monotonic() - started:.1f} s",
+        f"{path}: {path.stat().st_size / 1e6:.2f} MB, {runtime} runtime ({', '.join(inside.platforms)}), "
+        f"{reduction.dofs} degrees of freedom → {len(reduction.model.lam)} modes, {reduction.modes.solver}, "
+        f"{time.monotonic() - started:.1f} s",
     )
 
 

@@ -1,6 +1,6 @@
 """From a part file to its reduced model, and on to the FMU: the stages one after the other."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from fmu_src.documentation import index_html
-from fmu_src.packaging import build_python_fmu
+from fmu_src.native_fmu import build_native_fmu
 from fmu_src.runtime.model import Port as FmuPort
 from fmu_src.runtime.model import ReducedModel
 
@@ -30,6 +30,9 @@ from .shape import surface_shape, write_shape
 
 Progress = Callable[[str, float | None], None]
 """Called with the stage's name and the fraction of it that is done, None where that is not known."""
+
+Builder = Callable[[ReducedModel, Path, Mapping[str, bytes]], Path]
+"""Writes an FMU with extra files of the archive."""
 
 
 def silent(stage: str, fraction: float | None) -> None:
@@ -99,15 +102,18 @@ def reduce_part(part: Part, progress: Progress = silent) -> Reduction:
     )
 
 
-def package(reduction: Reduction, path: Path, progress: Progress = silent) -> Path:
-    """Write the FMU with its mode table and its mode shapes; returns its path."""
+def package(
+    reduction: Reduction, path: Path, progress: Progress = silent, build: Builder = build_native_fmu
+) -> Path:
+    """Write the FMU with its mode table and its mode shapes; returns its path.
+
+    build: build_native_fmu, or build_python_fmu for the Python twin.
+    """
     progress("packaging", None)
     masses = dict(zip("xyz", reduction.effective_mass.tolist(), strict=True))
     table = index_html(reduction.model, masses, reduction.total_mass)
     shape = surface_shape(reduction.mesh, reduction.modes.Phi)
-    return build_python_fmu(
-        reduction.model, path, {"documentation/index.html": table.encode(), **write_shape(shape)}
-    )
+    return build(reduction.model, path, {"documentation/index.html": table.encode(), **write_shape(shape)})
 
 
 @contextmanager

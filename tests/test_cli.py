@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import tomllib
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 from small_part import CELLS, DENSITY, LENGTH, WIDTH, YOUNG, bar, beside, write_mesh, write_part
 
+from fmu_src.toolchain import host_platform
 from precompute.cli import main
 
 STEEL = f'name = "steel"\nyoung = {YOUNG}\npoisson = 0.0\ndensity = {DENSITY}\n'
@@ -100,14 +102,29 @@ def test_build_shows_the_modes_and_writes_the_fmu(
     assert main(["build", "."]) == 0
     shown = capsys.readouterr().out
     assert "bar.fmu: " in shown
+    assert f"native runtime ({host_platform()}" in shown
     assert f"{12 * CELLS} degrees of freedom → 8 modes" in shown
     assert "\x1b" not in shown  # no colours in a pipe
     assert main(["build", "part.toml", "-o", "out"]) == 0
     assert main(["build", "part.toml", "-o", "out/other.fmu", "--runtime", "python"]) == 0
+    assert "python runtime (linux64, win64)" in capsys.readouterr().out
     first = (tmp_path / "bar.fmu").read_bytes()
-    assert first[:2] == b"PK"
     assert (tmp_path / "out" / "bar.fmu").read_bytes() == first
+    with zipfile.ZipFile("bar.fmu") as native, zipfile.ZipFile("out/other.fmu") as python:
+        assert "sources/modalfmu.c" in native.namelist()
+        assert "documentation/index.html" in native.namelist()
+        assert "resources/slavemodule.txt" in python.namelist()
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["bar.fmu", "other.fmu"]
+
+
+def test_build_for_chosen_platforms(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    fmu = tmp_path / "bar.fmu"
+    part = write_part(tmp_path)
+    assert main(["build", str(part), "-o", str(fmu), "--platform", "aarch64-linux,linux64"]) == 0
+    assert "native runtime (linux64, aarch64-linux)" in capsys.readouterr().out
+    with zipfile.ZipFile(fmu) as archive:
+        binaries = [name for name in archive.namelist() if name.startswith("binaries/")]
+    assert binaries == ["binaries/aarch64-linux/bar.so", "binaries/linux64/bar.so"]
 
 
 def test_mode_shapes_for_paraview(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -331,6 +348,9 @@ def test_cells_without_material(tmp_path: Path, capsys: pytest.CaptureFixture[st
         (["build"], "PART"),
         (["build", "part.toml", "extra"], "extra"),
         (["build", "part.toml", "--runtime", "fortran"], "fortran"),
+        (["build", "part.toml", "--platform", "linux64,amiga"], "win64"),
+        (["build", "part.toml", "--platform", ""], "win64"),
+        (["build", "part.toml", "--runtime", "python", "--platform", "linux64"], "leave it out"),
         (["modes", "part.toml", "--jsn"], "--json"),
         (["inspect", "bar.vtu", "--length-unit", "yd"], "yd"),
         (["inspect", "missing.vtu"], "missing.vtu"),

@@ -9,7 +9,7 @@ import pytest
 from examples import PRELUDE, oscillator, run_master
 from pythonfmu import FmuBuilder
 
-from fmu_src.packaging import build_python_fmu
+from fmu_src.python_fmu import build_python_fmu
 
 # The part: m ẍ + d ẋ + k x = F + f; the spring–damper: f = −κ x − c ẋ; F from t = 0.
 K, M, D = 400.0, 1.0, 0.4

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from examples import oscillator, two_ports
 
-from fmu_src.description import default_experiment, model_description
+from fmu_src.description import Twin, default_experiment, model_description
 from fmu_src.runtime.instance import Instance
 from fmu_src.runtime.model import ReducedModel
 from fmu_src.runtime.step import State
@@ -26,7 +26,7 @@ def sparse_model(initial: str) -> ReducedModel:
 
 
 def declared(model: ReducedModel, group: str) -> dict[int, set[int]]:
-    xml = model_description(model, guid="{x}", generation_tool="test", capabilities={})
+    xml = model_description(model, Twin("test", {"CoSimulation": {}}, {}), "{x}")
     unknowns = ET.fromstring(xml).findall(f"ModelStructure/{group}/Unknown")
     return {
         int(u.attrib["index"]) - 1: {int(i) - 1 for i in u.attrib["dependencies"].split()} for u in unknowns
@@ -126,7 +126,8 @@ def expected_face(name: str, r: int) -> Row:
 
 def test_every_variable_is_declared_as_promised() -> None:
     model = two_ports()
-    xml = model_description(model, guid="{x}", generation_tool="test", capabilities={"canBeTrue": "true"})
+    interfaces = {"ModelExchange": {}, "CoSimulation": {"canBeTrue": "true"}}
+    xml = model_description(model, Twin("test", interfaces, {"logAll": "all"}, ("one.c", "two.c")), "{x}")
     root = ET.fromstring(xml)
     listed = root.findall("ModelVariables/ScalarVariable")
     names = [v.attrib["name"] for v in listed]
@@ -164,7 +165,14 @@ def test_every_variable_is_declared_as_promised() -> None:
         "m/s2": {"m": "1", "s": "-2"},
         "s": {"s": "1"},
     }
-    assert root.find("CoSimulation").attrib == {"modelIdentifier": "two_ports", "canBeTrue": "true"}  # type: ignore[union-attr]
+    assert [element.tag for element in root][:2] == ["ModelExchange", "CoSimulation"]  # the schema's order
+    assert root[0].attrib == {"modelIdentifier": "two_ports"}
+    assert root[1].attrib == {"modelIdentifier": "two_ports", "canBeTrue": "true"}
+    for interface in root[:2]:
+        assert [file.attrib["name"] for file in interface.findall("SourceFiles/File")] == ["one.c", "two.c"]
+    assert [c.attrib for c in root.findall("LogCategories/Category")] == [
+        {"name": "logAll", "description": "all"}
+    ]
     assert root.attrib["variableNamingConvention"] == "structured"
     experiment = root.find("DefaultExperiment").attrib  # type: ignore[union-attr]  # there is one
     assert [float(experiment[k]) for k in ("startTime", "stopTime", "stepSize")] == [

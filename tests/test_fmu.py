@@ -12,7 +12,7 @@ from examples import PRELUDE, oscillator, run_master, two_ports
 from fmpy.validation import validate_fmu
 
 from fmu_src.archive import write_archive
-from fmu_src.packaging import build_python_fmu
+from fmu_src.python_fmu import build_python_fmu
 from fmu_src.runtime.model import ReducedModel
 from fmu_src.runtime.propagator import propagator
 from fmu_src.runtime.step import State, acceleration, at_rest, static_solution, step

@@ -1,13 +1,15 @@
-"""The seam: a reduced model as plain files, `model.json` and one little-endian `.npy` per array."""
+"""The seam: a reduced model as plain files, `model.json` and one little-endian `.npy` per array.
+
+`model.json` holds the checksums of the arrays, `model.sha256` that of `model.json`.
+"""
 
 import hashlib
 import io
 import json
 import math
-import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 
@@ -18,11 +20,10 @@ SCHEMA = 1
 ARRAYS = {"lam": "1/s2", "D_rest": "1/s", "B": "kg^-1/2", "C": "kg^-1/2"}
 LIMIT = 1 << 31  # bytes of one file; a larger one is no reduced model
 AGAIN = "build the FMU again"
-NPY = re.compile(
-    rb"\x93NUMPY\x01\x00.."
-    rb"\{'descr': '<f8', 'fortran_order': False, 'shape': \((?P<shape>[\d, ]{0,60})\), \} *\n",
-    re.DOTALL,
-)
+NPY = b"\x93NUMPY\x01\x00"  # how a file of format 1.0 begins
+KINDS = {str: "a text", float: "a number", list: "a list"}
+
+T = TypeVar("T")
 
 
 def write_model(model: ReducedModel) -> dict[str, bytes]:
@@ -43,12 +44,13 @@ def write_model(model: ReducedModel) -> dict[str, bytes]:
             key: {
                 "shape": list(getattr(model, key).shape),
                 "unit": unit,
-                "sha256": hashlib.sha256(files[f"{key}.npy"]).hexdigest(),
+                "sha256": _sha256(files[f"{key}.npy"]),
             }
             for key, unit in ARRAYS.items()
         },
     }
     files["model.json"] = (json.dumps(header, indent=1, ensure_ascii=False) + "\n").encode()
+    files["model.sha256"] = f"{_sha256(files['model.json'])}\n".encode()
     return files
 
 
@@ -58,19 +60,19 @@ def read_model(folder: Path) -> ReducedModel:
     Raises ModelError where a file is missing, damaged or does not fit the others.
     """
     try:
-        header = json.loads(_bytes(folder / "model.json"))
-        if header["schema"] != SCHEMA:
-            raise ModelError(f"model.json: got schema {header['schema']!r}, expected {SCHEMA}; {AGAIN}")
+        header = _header(folder)
+        if _of_kind(float, header["schema"]) != SCHEMA:
+            raise ModelError(f"model.json: got schema {header['schema']:g}, expected {SCHEMA}; {AGAIN}")
         arrays = {key: _array(folder, key, header["arrays"][key]) for key in ARRAYS}
         ports = tuple(
-            Port(_text(port["name"]), _texts(port["inputs"]), _texts(port["outputs"]))
-            for port in header["ports"]
+            Port(_of_kind(str, port["name"]), _texts(port["inputs"]), _texts(port["outputs"]))
+            for port in _of_kind(list, header["ports"])
         )
         return ReducedModel(
-            name=_text(header["name"]),
-            description=_text(header["description"]),
-            alpha=_number(header["alpha"]),
-            beta=_number(header["beta"]),
+            name=_of_kind(str, header["name"]),
+            description=_of_kind(str, header["description"]),
+            alpha=_of_kind(float, header["alpha"]),
+            beta=_of_kind(float, header["beta"]),
             initial=header["initial"],
             ports=ports,
             **arrays,
@@ -85,6 +87,10 @@ def _npy(array: Floats) -> bytes:
     return buffer.getvalue()
 
 
+def _sha256(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
 def _bytes(path: Path) -> bytes:
     try:
         if path.stat().st_size > LIMIT:
@@ -96,30 +102,40 @@ def _bytes(path: Path) -> bytes:
         raise ModelError(f"{path.name}: cannot be read ({error.strerror}); {AGAIN}") from error
 
 
+def _header(folder: Path) -> Any:
+    """model.json, once it is what its checksum says: RFC 8259, all numbers as floats."""
+    content = _bytes(folder / "model.json")
+    if _bytes(folder / "model.sha256") != f"{_sha256(content)}\n".encode():
+        raise ModelError(f"model.json: its checksum is not that of model.sha256; {AGAIN}")
+    header = json.loads(content.decode(), parse_int=float, parse_constant=_no_number)
+    json.dumps(header, ensure_ascii=False).encode()  # raises where a text holds half a surrogate pair
+    return header
+
+
 def _array(folder: Path, key: str, entry: Mapping[str, Any]) -> Floats:
-    """One .npy file of format 1.0, float64 in C order; its length must be what its shape takes."""
+    """One .npy file as numpy.save writes it, float64 in C order; its length must be what its shape takes."""
     content = _bytes(folder / f"{key}.npy")
-    if hashlib.sha256(content).hexdigest() != entry["sha256"]:
+    if _sha256(content) != entry["sha256"]:
         raise ModelError(f"{key}.npy: its checksum is not that of model.json; {AGAIN}")
-    found = NPY.match(content)
-    shape = tuple(int(n) for n in found["shape"].split(b",") if n.strip()) if found else ()
+    expected = [_of_kind(float, n) for n in entry["shape"]]
+    shape = tuple(map(int, expected))
     start = 10 + int.from_bytes(content[8:10], "little")
-    if not found or list(shape) != entry["shape"] or len(content) != start + 8 * math.prod(shape):
-        raise ModelError(f"{key}.npy: got {len(content)} bytes, expected float64 {entry['shape']}; {AGAIN}")
+    text = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}".encode()
+    begin = NPY + content[8:10] + text.ljust(start - 11) + b"\n"
+    if [*shape] != expected or content[:start] != begin or len(content) != start + 8 * math.prod(shape):
+        raise ModelError(f"{key}.npy: got {len(content)} bytes, expected float64 {shape}; {AGAIN}")
     return np.frombuffer(content, dtype="<f8", offset=start).reshape(shape).astype(np.float64)
 
 
-def _text(value: object) -> str:
-    if not isinstance(value, str):
-        raise TypeError(f"got {value!r}, expected a text")
+def _of_kind(kind: type[T], value: object) -> T:
+    if not isinstance(value, kind):
+        raise TypeError(f"got {value!r}, expected {KINDS[kind]}")
     return value
 
 
-def _texts(value: list[object]) -> tuple[str, ...]:
-    return tuple(_text(item) for item in value)
+def _texts(value: object) -> tuple[str, ...]:
+    return tuple(_of_kind(str, item) for item in _of_kind(list, value))
 
 
-def _number(value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError(f"got {value!r}, expected a number")
-    return float(value)
+def _no_number(word: str) -> NoReturn:
+    raise ValueError(f"got {word}, expected a finite number")

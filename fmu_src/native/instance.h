@@ -1,0 +1,77 @@
+/* One instance of the FMU: its inputs, parameters and modal state, and what follows from them.
+ *
+ * No FMI here; the formulas are those of propagator.h, kernels.h and motion.h. Nothing is shared between
+ * instances but the model, which is never written to: each may be used from a thread of its own. */
+#ifndef MODALFMU_INSTANCE_H
+#define MODALFMU_INSTANCE_H
+
+#include "kernels.h"
+#include "variables.h"
+
+#define KEPT_STEP_SIZES 16 /* masters form h as a difference of times, which jitters over a few values */
+#define SAME_POINT 1e-9    /* relative to max(1, |t|): a step that starts this near to the last one's end starts there */
+#define RATES 2            /* orders of the input derivatives and of the output derivatives */
+
+/* All vectors of modes have n entries, r of them used; those behind `active` are 0. */
+typedef struct {
+    const ReducedModel *model;
+    Layout layout;
+    const Kernels *kernels;
+    size_t n;
+    double *lam, *D_rest, *d;  /* lambda, the diagonal of D_rest, d = alpha + beta lambda + D_rest */
+    double *B, *C;             /* the columns of B, the rows of C */
+    OutputKind highest_kind;   /* of the outputs */
+    bool initialising;         /* until fmi2ExitInitializationMode */
+    bool settled;              /* a static start is in equilibrium with the present inputs */
+    double time, alpha, beta;
+    size_t active, n_active;   /* modes that move; the same rounded up to whole registers */
+    double *u[1 + RATES];      /* the inputs and their rates, (m) each */
+    bool rates_given;          /* rates were set for the next step, */
+    bool rates_left;           /* or are those that the last step ended with */
+    double *f[1 + RATES];      /* B u and its rates, */
+    size_t forces_known;       /* so many of which are up to date */
+    double *motion[3 + RATES]; /* q, q' = v, q'' = a and their derivatives, */
+    size_t motions_known;      /* so many of which are up to date: at least q and v */
+    double *next[2];           /* where a step writes the new q, v */
+    Propagator kept[KEPT_STEP_SIZES];
+    unsigned char newest[KEPT_STEP_SIZES]; /* places in `kept`, the one used last first */
+    size_t kept_count;
+    double *seed_u, *seed[3];  /* directions of a directional derivative: of u; of q, v, a; of alpha, beta */
+    double seed_alpha, seed_beta;
+    void *block;               /* the memory of all the vectors */
+    bool step_size_was_new;    /* in the last step; the coefficients were computed */
+} Instance;
+
+/* How a step ended. Where it is not made, nothing has changed. */
+typedef enum { STEP_MADE, STEP_ILLEGAL, STEP_BEYOND_RANGE } StepResult;
+
+/* An instance at its start values, or NULL where there is no memory. The model must outlive it. */
+INTERNAL Instance *new_instance(const ReducedModel *model, const Memory *memory);
+INTERNAL void free_instance(Instance *instance, const Memory *memory);
+
+/* Back to the start values. */
+INTERNAL void reset_instance(Instance *instance);
+
+/* Take up alpha, beta from here on; the state stays. */
+INTERNAL void set_damping(Instance *instance, double alpha, double beta);
+
+/* Keep the first modes; those switched off go to rest, those switched on start from rest. */
+INTERNAL void set_active(Instance *instance, size_t active);
+
+/* The input at this place; its rate of an order 1 ... RATES over the next step. */
+INTERNAL void set_input(Instance *instance, size_t place, double value);
+INTERNAL void set_input_rate(Instance *instance, size_t order, size_t place, double value);
+
+/* One entry of q (order 0) or v (order 1); that of a mode switched off stays 0. */
+INTERNAL void set_state(Instance *instance, size_t order, size_t place, double value);
+
+/* End of the initialisation: the initial state is fixed. Refused where it is not finite. */
+INTERNAL bool end_initialisation(Instance *instance, Reason *reason);
+
+/* Whether the motion can be computed: an input may be set to anything. */
+INTERNAL bool inputs_are_finite(const Instance *instance, Reason *reason);
+
+/* Move the state over one step, or say why not. */
+INTERNAL StepResult advance_instance(Instance *instance, double time, double h, Reason *reason);
+
+#endif

@@ -1,0 +1,131 @@
+#include "kernels.h"
+
+#if defined(__GNUC__)
+#define INLINE static inline __attribute__((always_inline))
+#else
+#define INLINE static inline
+#endif
+
+/* A decaying mode ends at 0: not in subnormal numbers, on which many processors are a hundred times slower. */
+#define TINY 1e-280
+
+INLINE double flushed(double x)
+{
+    return x < TINY && x > -TINY ? 0.0 : x;
+}
+
+INLINE void add_body(double *restrict f, const double *restrict column, double u, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        f[i] += column[i] * u;
+}
+
+/* The sum of LANES partial sums, one after the other: summed in pairs, clang keeps them in 128-bit registers. */
+INLINE double total(const double sum[LANES])
+{
+    double s = 0.0;
+    for (size_t k = 0; k < LANES; k++)
+        s += sum[k];
+    return s;
+}
+
+INLINE double step_held_body(const Propagator *P, const double *restrict q, const double *restrict v,
+                             const double *restrict f, double *restrict q1, double *restrict v1, size_t n)
+{
+    const double *restrict E11 = P->E11, *restrict E12 = P->E12, *restrict E21 = P->E21, *restrict E22 = P->E22;
+    const double *restrict G0 = P->G0;
+    double sum[LANES] = {0};
+    for (size_t i = 0; i < n; i += LANES)
+        for (size_t k = 0; k < LANES; k++) {
+            size_t j = i + k;
+            q1[j] = flushed(E11[j] * q[j] + E12[j] * v[j] + G0[j] * f[j]);
+            v1[j] = flushed(E21[j] * q[j] + E22[j] * v[j] + E12[j] * f[j]);
+            sum[k] += q1[j] * q1[j] + v1[j] * v1[j];
+        }
+    return total(sum);
+}
+
+INLINE double step_body(const Propagator *P, const double *restrict q, const double *restrict v,
+                        double *const f[3], double *restrict q1, double *restrict v1, size_t n)
+{
+    const double *restrict f0 = f[0], *restrict f1 = f[1], *restrict f2 = f[2];
+    double sum[LANES] = {0};
+    for (size_t i = 0; i < n; i += LANES)
+        for (size_t k = 0; k < LANES; k++) {
+            size_t j = i + k;
+            double driven_q = P->G0[j] * f0[j] + P->G1[j] * f1[j] + P->G2[j] * f2[j];
+            double driven_v = P->E12[j] * f0[j] + P->G0[j] * f1[j] + P->G1[j] * f2[j];
+            q1[j] = flushed(P->E11[j] * q[j] + P->E12[j] * v[j] + driven_q);
+            v1[j] = flushed(P->E21[j] * q[j] + P->E22[j] * v[j] + driven_v);
+            sum[k] += q1[j] * q1[j] + v1[j] * v1[j];
+        }
+    return total(sum);
+}
+
+INLINE void outputs_body(const Outputs *rows, size_t order, const unsigned int *references, unsigned int first,
+                         size_t count, double *restrict y)
+{
+    size_t n = rows->n;
+    for (size_t j = 0; j < count; j++) {
+        size_t row = references[j] - first;
+        const double *restrict c = rows->C + row * rows->length, *restrict x = rows->motion[rows->kinds[row] + order];
+        double sum[LANES] = {0};
+        for (size_t i = 0; i < n; i += LANES)
+            for (size_t k = 0; k < LANES; k++)
+                sum[k] += c[i + k] * x[i + k];
+        y[j] = total(sum);
+    }
+}
+
+/* The four bodies, compiled for one set of instructions. */
+#define KERNELS(NAME, TARGET)                                                                                    \
+    TARGET static void add_##NAME(double *f, const double *column, double u, size_t n)                           \
+    {                                                                                                            \
+        add_body(f, column, u, n);                                                                               \
+    }                                                                                                            \
+    TARGET static double step_##NAME(const Propagator *P, const double *q, const double *v, double *const f[3],  \
+                                     double *q1, double *v1, size_t n)                                           \
+    {                                                                                                            \
+        return step_body(P, q, v, f, q1, v1, n);                                                                 \
+    }                                                                                                            \
+    TARGET static double step_held_##NAME(const Propagator *P, const double *q, const double *v,                 \
+                                          const double *f, double *q1, double *v1, size_t n)                     \
+    {                                                                                                            \
+        return step_held_body(P, q, v, f, q1, v1, n);                                                            \
+    }                                                                                                            \
+    TARGET static void outputs_##NAME(const Outputs *rows, size_t order, const unsigned int *references,         \
+                                      unsigned int first, size_t count, double *y)                               \
+    {                                                                                                            \
+        outputs_body(rows, order, references, first, count, y);                                                  \
+    }                                                                                                            \
+    static const Kernels kernels_##NAME = {#NAME, add_##NAME, step_##NAME, step_held_##NAME, outputs_##NAME};
+
+KERNELS(baseline, )
+
+#if defined(__GNUC__) && defined(__x86_64__)
+
+#include <cpuid.h>
+
+KERNELS(avx2, __attribute__((target("avx2,fma"))))
+KERNELS(avx512, __attribute__((target("avx512f,avx2,fma"))))
+
+/* What the processor has and what the operating system saves on a change of threads. */
+const Kernels *best_kernels(void)
+{
+    unsigned int a, b, c, d, saved, high;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE) || !(c & bit_FMA))
+        return &kernels_baseline;
+    __asm__ volatile("xgetbv" : "=a"(saved), "=d"(high) : "c"(0));
+    if ((saved & 0x06) != 0x06 || !__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & bit_AVX2))
+        return &kernels_baseline;
+    return (saved & 0xe0) == 0xe0 && (b & bit_AVX512F) ? &kernels_avx512 : &kernels_avx2;
+}
+
+#else
+
+const Kernels *best_kernels(void)
+{
+    return &kernels_baseline;
+}
+
+#endif

@@ -1,0 +1,35 @@
+/* The whole FMU in one file: compile this one, with the headers of FMI 2.0 on the include path.
+ *
+ * MODALFMU_EMBEDDED_MODEL: take the model from embedded_model.c instead of the resources; no file is read.
+ * FMI2_FUNCTION_PREFIX: a prefix of the functions' names, for several FMUs in one program. */
+#define MODALFMU_SINGLE_FILE
+
+#include "common.c"
+#include "propagator.c"
+#include "kernels.c"
+#include "variables.c"
+#include "motion.c"
+#include "instance.c"
+#include "directional.c"
+#include "saved_state.c"
+
+#ifndef MODALFMU_EMBEDDED_MODEL
+#include "json_scalars.c"
+#include "json.c"
+#include "sha256.c"
+#include "npy.c"
+#include "ports.c"
+#include "header.c"
+#include "folder.c"
+#include "resources.c"
+#include "location.c"
+#endif
+
+#include "part_source.c"
+#include "component.c"
+#include "fmi2_life.c"
+#include "fmi2_variables.c"
+#include "fmi2_derivatives.c"
+#include "fmi2_cosimulation.c"
+#include "fmi2_model_exchange.c"
+#include "fmi2_state.c"

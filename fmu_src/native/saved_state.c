@@ -1,0 +1,68 @@
+#include "saved_state.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/* What stands before the vectors u, u', u'', q, v. */
+typedef struct {
+    uint64_t r, m, active;
+    uint64_t rates_given, rates_left;
+    double time, alpha, beta;
+} SavedHead;
+
+size_t saved_size(const Instance *x)
+{
+    return sizeof(SavedHead) + ((1 + RATES) * x->model->m + 2 * x->model->r) * sizeof(double);
+}
+
+void save_state(const Instance *x, unsigned char *bytes)
+{
+    size_t m = x->model->m, r = x->model->r;
+    SavedHead head = {r, m, x->active, x->rates_given, x->rates_left, x->time, x->alpha, x->beta};
+    memcpy(bytes, &head, sizeof head);
+    bytes += sizeof head;
+    for (size_t order = 0; order <= RATES; order++, bytes += m * sizeof(double))
+        memcpy(bytes, x->u[order], m * sizeof(double));
+    for (size_t order = 0; order < 2; order++, bytes += r * sizeof(double))
+        memcpy(bytes, x->motion[order], r * sizeof(double));
+}
+
+static bool all_finite(const unsigned char *bytes, size_t count)
+{
+    for (size_t k = 0; k < count; k++) {
+        double value;
+        memcpy(&value, bytes + k * sizeof value, sizeof value);
+        if (!isfinite(value))
+            return false;
+    }
+    return true;
+}
+
+bool restore_state(Instance *x, const unsigned char *bytes, bool initialising, Reason *reason)
+{
+    size_t m = x->model->m, r = x->model->r;
+    SavedHead head;
+    memcpy(&head, bytes, sizeof head);
+    const unsigned char *inputs = bytes + sizeof head, *rates = inputs + m * sizeof(double);
+    const unsigned char *q = rates + RATES * m * sizeof(double), *v = q + r * sizeof(double);
+    bool q_follows = initialising && x->model->initial_static; /* the inputs, which may be infinite */
+    bool motion_is_finite = (q_follows || all_finite(q, r)) && all_finite(v, r);
+    if (head.r != r || head.m != m || head.active > r || head.rates_given > 1 || head.rates_left > 1)
+        return refuse(reason, "the state is damaged, or not one of this model");
+    if (!(motion_is_finite && (!head.rates_given || all_finite(rates, RATES * m)) && isfinite(head.time) &&
+          head.alpha >= 0.0 && isfinite(head.alpha) && head.beta >= 0.0 && isfinite(head.beta)))
+        return refuse(reason, "the state is damaged: it holds a value out of range");
+    set_active(x, (size_t)head.active);
+    x->initialising = initialising;
+    x->rates_given = head.rates_given == 1;
+    x->rates_left = head.rates_left == 1;
+    x->time = head.time;
+    for (size_t order = 0; order <= RATES; order++, inputs += m * sizeof(double))
+        memcpy(x->u[order], inputs, m * sizeof(double));
+    for (size_t order = 0; order < 2; order++, inputs += r * sizeof(double))
+        memcpy(x->motion[order], inputs, x->active * sizeof(double));
+    if (head.alpha != x->alpha || head.beta != x->beta)
+        set_damping(x, head.alpha, head.beta);
+    return true;
+}

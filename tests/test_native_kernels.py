@@ -1,0 +1,107 @@
+"""The inner loops of a step, for every set of instructions that this processor has, against numpy."""
+
+from ctypes import POINTER, c_int, c_uint
+from typing import Any
+
+import numpy as np
+import pytest
+from native_maths import COutputs, CPropagator, Doubles, Kernels, kernel_tables
+
+from fmu_src.runtime.model import Floats
+
+EPS = np.finfo(float).eps
+LANES = 8
+
+
+def aligned(values: Floats) -> Floats:
+    """A copy that begins at a whole register of 64 bytes."""
+    block = np.empty(values.size + 8)
+    start = -block.ctypes.data % 64 // 8
+    copy = block[start : start + values.size].reshape(values.shape)
+    copy[...] = values
+    return copy
+
+
+def pointer(array: Floats) -> Any:
+    return array.ctypes.data_as(Doubles)
+
+
+def pointers(rows: Floats) -> Any:
+    return (Doubles * len(rows))(*(pointer(row) for row in rows))
+
+
+@pytest.fixture(params=range(3), ids=["baseline", "avx2", "avx512"])
+def kernels(request: pytest.FixtureRequest) -> Kernels:
+    tables = kernel_tables()
+    if request.param >= len(tables):
+        pytest.skip("this processor has no such instructions")
+    assert tables[request.param].instructions.decode() == ("baseline", "avx2", "avx512")[request.param]
+    return tables[request.param]
+
+
+LENGTHS = [0, 8, 16, 24, 56, 200]
+
+
+@pytest.mark.parametrize("n", LENGTHS)
+def test_add(kernels: Kernels, n: int) -> None:
+    rng = np.random.default_rng(n)
+    f, column = aligned(rng.standard_normal(n)), aligned(rng.standard_normal(n))
+    expected, bound = f + 0.7 * column, EPS * (np.abs(f) + np.abs(column))
+    kernels.add(pointer(f), pointer(column), 0.7, n)
+    assert (np.abs(f - expected) <= bound).all()
+
+
+@pytest.mark.parametrize("n", LENGTHS)
+@pytest.mark.parametrize("held", [True, False])
+def test_step_kernels(kernels: Kernels, n: int, held: bool) -> None:
+    """[q, v] of every mode, and |q|² + |v|², against numpy: up to five products summed, a rounding each."""
+    rng = np.random.default_rng(n)
+    E11, E12, E21, E22, G0, G1, G2 = rows = aligned(rng.standard_normal((7, n)))
+    q, v, f, f_dot, f_ddot = given_rows = aligned(rng.standard_normal((5, n)))
+    after = aligned(np.full((2, n), np.nan))
+    P = CPropagator(0.1, *(pointer(row) for row in rows))
+    if held:
+        size = kernels.step_held(P, pointer(q), pointer(v), pointer(f), *map(pointer, after), n)
+        f_dot, f_ddot = np.zeros((2, n))
+    else:
+        size = kernels.step(P, pointer(q), pointer(v), pointers(given_rows[2:]), *map(pointer, after), n)
+    for found, factors in zip(after, ((E11, E12, G0, G1, G2), (E21, E22, E12, G0, G1)), strict=True):
+        products = np.array(factors) * [q, v, f, f_dot, f_ddot]
+        assert (np.abs(found - products.sum(axis=0)) <= 8 * EPS * np.abs(products).sum(axis=0)).all()
+    assert size == pytest.approx((after**2).sum(), rel=1e-14)
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_what_is_next_to_nothing_becomes_nothing(kernels: Kernels, held: bool) -> None:
+    """Neither a subnormal number nor one that soon would be; larger ones and not-a-number are left alone."""
+    rows = aligned(np.zeros((7, LANES)))
+    rows[0] = rows[3] = 1.0  # E11, E22
+    motion = np.array([5e-324, -5e-324, 9e-281, -9e-281, 1.1e-280, -1.1e-280, np.nan, 1.0])
+    q, v, *forces = given_rows = aligned(np.vstack([motion, -motion, np.zeros((3, LANES))]))
+    after = aligned(np.full((2, LANES), np.nan))
+    P = CPropagator(0.1, *(pointer(row) for row in rows))
+    if held:
+        kernels.step_held(P, pointer(q), pointer(v), pointer(forces[0]), *map(pointer, after), LANES)
+    else:
+        kernels.step(P, pointer(q), pointer(v), pointers(given_rows[2:]), *map(pointer, after), LANES)
+    left = np.where(np.arange(LANES) < 4, 0.0, motion)
+    np.testing.assert_array_equal(after, [left, -left])
+
+
+@pytest.mark.parametrize("n", LENGTHS)
+def test_outputs_kernel(kernels: Kernels, n: int) -> None:
+    """Rows in any order and more than once, each of its kind, the first `n` of `length` numbers only."""
+    rng = np.random.default_rng(n)
+    length, first = n + LANES, 5
+    C, motion = aligned(rng.standard_normal((6, length))), aligned(rng.standard_normal((5, length)))
+    kinds = np.array([0, 1, 2, 2, 1, 0], dtype=np.int32)
+    asked = np.array([3, 0, 5, 5, 1, 4, 2], dtype=np.uint32)
+    outputs = COutputs(pointer(C), length, n, kinds.ctypes.data_as(POINTER(c_int)), pointers(motion))
+    references = (asked + np.uint32(first)).astype(np.uint32)
+    for order in (0, 1, 2):
+        y = np.full(len(asked), np.nan)
+        place = references.ctypes.data_as(POINTER(c_uint))
+        kernels.outputs(outputs, order, place, first, len(asked), pointer(y))
+        for value, row in zip(y, asked, strict=True):
+            products = C[row, :n] * motion[kinds[row] + order, :n]
+            assert abs(value - products.sum()) <= n * EPS * np.abs(products).sum()
