@@ -137,6 +137,8 @@ def _add_structure(root: ET.Element, model: ReducedModel) -> None:
         ("Derivatives", found.derivatives),
         ("InitialUnknowns", found.initial),
     ):
+        if not unknowns:
+            continue  # the schema knows no empty list
         group = ET.SubElement(parent, name)
         for index, known in unknowns.items():
             dependencies = " ".join(str(i + 1) for i in known)

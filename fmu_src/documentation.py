@@ -66,8 +66,8 @@ On a target without a file system the model comes from embedded_model.c, with ei
 
   cc -std=c11 -O3 -DMODALFMU_EMBEDDED_MODEL ...
 
-fmi2Instantiate then ignores fmuResourceLocation. Memory is taken in fmi2Instantiate and fmi2GetFMUstate only,
-through the functions that the host gives.
+fmi2Instantiate then ignores fmuResourceLocation. Memory is taken by fmi2Instantiate, fmi2GetFMUstate and
+fmi2DeSerializeFMUstate only, through the functions that the host gives.
 """
 
 

@@ -36,22 +36,33 @@ def native_libraries(
 
 
 def cache_folder() -> Path:
-    """Where the user's libraries are kept: LOCALAPPDATA, XDG_CACHE_HOME, or the system's usual place."""
-    if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Caches"
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return base / "modalfmu"
+    """Where the user's libraries are kept: LOCALAPPDATA, XDG_CACHE_HOME, or the system's usual place.
+
+    Raises ToolchainError for a user without a home.
+    """
+    variable = "LOCALAPPDATA" if sys.platform == "win32" else "XDG_CACHE_HOME"
+    if folder := os.environ.get(variable):
+        return Path(folder, "modalfmu")
+    usual = {"win32": "AppData/Local", "darwin": "Library/Caches"}.get(sys.platform, ".cache")
+    try:
+        return Path.home() / usual / "modalfmu"
+    except RuntimeError:
+        raise ToolchainError(f"there is no home folder to keep libraries in; set {variable}") from None
 
 
 def _find(platform: str) -> Path | None:
     name = library_name(platform)
-    for folder in (PACKAGED, cache_folder()):
-        if (folder / platform / name).is_file():
+    for folder in (PACKAGED, _cache_if_any()):
+        if folder and (folder / platform / name).is_file():
             return folder / platform / name
     return None
+
+
+def _cache_if_any() -> Path | None:
+    try:
+        return cache_folder()
+    except ToolchainError:
+        return None
 
 
 def _find_or_compile(platform: str, progress: Progress) -> Path:

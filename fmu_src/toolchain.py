@@ -5,6 +5,7 @@ Nothing here needs numpy: it also runs while modalfmu itself is being built.
 
 import hashlib
 import importlib.util
+import os
 import struct
 import subprocess
 import sys
@@ -131,10 +132,14 @@ def _compiled(target: str, folder: Path, ending: str) -> bytes:
     output = folder / f"modalfmu{ending}"
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS]
     command += ["-I", str(fmi_headers()), str(SOURCES / SINGLE_FILE), "-o", output.name]
+    environment = dict(os.environ)
+    if not any(name in environment for name in ("HOME", "XDG_CACHE_HOME", "LOCALAPPDATA")):
+        environment.setdefault("ZIG_GLOBAL_CACHE_DIR", str(folder / "zig"))  # it finds no place by itself
     try:
         done = subprocess.run(
             command,
             cwd=folder,
+            env=environment,
             capture_output=True,
             text=True,
             encoding="utf-8",

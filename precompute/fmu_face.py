@@ -72,8 +72,10 @@ def read_face(path: Path) -> Face:
             f"{path}: got FMI {description.fmiVersion} {kind}, expected FMI 2.0 co-simulation"
         )
     if fmpy.platform not in platforms:
+        there = ", ".join(name for name in platforms if name != "c-code") or "no platform"
         raise ModalFmuError(
-            f"{path}: got binaries for {', '.join(platforms) or 'no platform'}, expected {fmpy.platform}"
+            f"{path}: got binaries for {there}, expected {fmpy.platform}; "
+            f"build it with --platform {fmpy.platform}"
         )
     experiment = description.defaultExperiment
     start, stop, step = (

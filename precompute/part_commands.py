@@ -41,8 +41,8 @@ def build(
         same equations in Python, which needs Python and numpy there.
     platform
         Where the native FMU runs: linux64, win64, darwin64, aarch64-linux, several with commas, or all.
-        Left out: where its libraries are there. After `pip install "modalfmu[cross]"` the others are
-        compiled when they are first asked for.
+        Left out: this machine's, and all others whose libraries are there already. After
+        `pip install "modalfmu[cross]"` the others are compiled when they are first asked for.
     """
     from .mode_report import mode_table
     from .part import read_part

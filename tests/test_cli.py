@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from small_part import CELLS, DENSITY, LENGTH, WIDTH, YOUNG, bar, beside, write_mesh, write_part
 
+from fmu_src import native_library
 from fmu_src.toolchain import host_platform
 from precompute.cli import main
 
@@ -117,7 +118,10 @@ def test_build_shows_the_modes_and_writes_the_fmu(
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["bar.fmu", "other.fmu"]
 
 
-def test_build_for_chosen_platforms(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_build_for_chosen_platforms(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(native_library, "cache_folder", lambda: tmp_path / "cache")
     fmu = tmp_path / "bar.fmu"
     part = write_part(tmp_path)
     assert main(["build", str(part), "-o", str(fmu), "--platform", "aarch64-linux,linux64"]) == 0

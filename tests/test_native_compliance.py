@@ -8,8 +8,9 @@ from functools import cache, partial
 from pathlib import Path
 
 import fmpy
+import numpy as np
 import pytest
-from examples import two_ports
+from examples import oscillator, two_ports
 from fmpy.validation import validate_fmu
 from lxml import etree
 from ready_parts import reduction
@@ -17,7 +18,7 @@ from structures import gaps_static
 
 from fmu_src.archive import write_archive
 from fmu_src.native_fmu import build_native_fmu
-from fmu_src.runtime.model import ReducedModel
+from fmu_src.runtime.model import Port, ReducedModel
 
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
 FMUTOOL = [sys.executable, "-m", "fmu_manipulation_toolbox.cli.fmutool"]
@@ -27,10 +28,16 @@ def ready_model(name: str) -> ReducedModel:
     return reduction(name).model
 
 
+def no_outputs() -> ReducedModel:
+    ports = (Port("tip", ("force.x",), ()),)
+    return oscillator("no_outputs", ports=ports, C=np.zeros((0, 1)))
+
+
 MODELS: Mapping[str, Callable[[], ReducedModel]] = {
     **{name: partial(ready_model, name) for name in ("bracket", "cantilever", "ring", "tuning_fork")},
     "two_ports": two_ports,
     "static": gaps_static,
+    "no_outputs": no_outputs,
 }
 
 

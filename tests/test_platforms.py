@@ -15,6 +15,7 @@ import pytest
 from examples import PRELUDE, oscillator, run_master, two_ports
 from exports import exports
 
+from fmu_src import toolchain
 from fmu_src.native_fmu import build_native_fmu
 from fmu_src.runtime.instance import Instance
 from fmu_src.runtime.model import Floats, ReducedModel
@@ -194,13 +195,21 @@ def test_glibc_2_17_is_enough(platform: str, libraries: dict[str, Path]) -> None
     assert max((int(major), int(minor)) for major, minor in named) <= (2, 17)
 
 
-def test_a_library_depends_on_its_sources_only(libraries: dict[str, Path], tmp_path: Path) -> None:
-    """The folder and the processor it was compiled on leave nothing in it."""
+def test_a_library_depends_on_its_sources_only(
+    libraries: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The folders it was compiled in and from leave nothing in it."""
+    sources = tmp_path / "sources elsewhere"
+    shutil.copytree(toolchain.SOURCES, sources)
+    monkeypatch.setattr(toolchain, "SOURCES", sources)
     for platform, library in libraries.items():
         again = tmp_path / "elsewhere" / platform / "library"
         compile_library(platform, again)
         assert again.read_bytes() == library.read_bytes(), platform
-        assert str(tmp_path.parent).encode() not in library.read_bytes()
+    with (sources / "common.c").open("a") as file:  # negative control
+        file.write("__attribute__((used)) static const char where[] = __FILE__;\n")
+    compile_library("linux64", tmp_path / "with its place")
+    assert b"elsewhere" in (tmp_path / "with its place").read_bytes()
 
 
 # --- the sources

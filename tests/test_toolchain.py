@@ -1,6 +1,5 @@
 """Libraries of the native twin: which platforms there are, where they are found, what is said where not."""
 
-import os
 import sys
 from importlib.metadata import distribution
 from pathlib import Path
@@ -124,12 +123,29 @@ def test_a_fault_of_the_compiler_is_one_line(tmp_path: Path, monkeypatch: pytest
     assert list((tmp_path / "out").iterdir()) == []
 
 
-@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="every folder can be written to")
 def test_a_cache_that_cannot_be_written(nowhere: Path) -> None:
-    nowhere.parent.mkdir(parents=True)
-    nowhere.parent.chmod(0o500)
+    nowhere.parent.parent.mkdir(parents=True, exist_ok=True)
+    nowhere.parent.write_text("a file where the folder should be")
     with pytest.raises(OSError, match="cache"):
         native_libraries(["linux64"])
+
+
+def test_a_user_without_a_home(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """What the package brings is found, what has to be kept somewhere is not, and the compiler still runs."""
+
+    def no_home() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    for variable in ("HOME", "XDG_CACHE_HOME", "LOCALAPPDATA", "ZIG_GLOBAL_CACHE_DIR"):
+        monkeypatch.delenv(variable, raising=False)
+    monkeypatch.setattr(Path, "home", no_home)
+    packaged = tmp_path / "packaged" / str(HOST) / library_name(str(HOST))
+    compile_library(str(HOST), packaged)
+    monkeypatch.setattr(native_library, "PACKAGED", tmp_path / "packaged")
+    assert native_libraries() == {HOST: packaged}
+    monkeypatch.setattr(native_library, "PACKAGED", tmp_path / "nothing")
+    with pytest.raises(ToolchainError, match="set (XDG_CACHE_HOME|LOCALAPPDATA)"):
+        native_libraries()
 
 
 def test_headers_that_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,7 +5,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* In the single-file build all functions are private to that file, so that many FMUs link into one program. */
+/* In the single-file build all functions are private to that file, so that many FMUs link into one program.
+ */
 #ifdef MODALFMU_SINGLE_FILE
 #define INTERNAL static
 #else

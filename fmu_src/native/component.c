@@ -71,7 +71,8 @@ void tell(const Component *c, fmi2Status status, Category category, const char *
     escape(message, format, sizeof format);
     for (size_t k = 0; k < sizeof categories / sizeof *categories; k++)
         if (categories[k].bit == (unsigned int)category)
-            c->callbacks.logger(c->callbacks.componentEnvironment, c->name, status, categories[k].name, format);
+            c->callbacks.logger(c->callbacks.componentEnvironment, c->name, status, categories[k].name,
+                                format);
 }
 
 fmi2Status refused(const Component *c, Call call, fmi2Status status, const Reason *reason)

@@ -11,8 +11,8 @@
 typedef enum {
     INSTANTIATED = 1,
     INITIALIZATION_MODE = 2,
-    STEP_MODE = 4,       /* co-simulation, between two steps */
-    EVENT_MODE = 8,      /* model exchange */
+    STEP_MODE = 4,        /* co-simulation, between two steps */
+    EVENT_MODE = 8,       /* model exchange */
     CONTINUOUS_MODE = 16, /* model exchange */
     TERMINATED = 32
 } Mode;
@@ -25,46 +25,46 @@ typedef enum {
 /* Every call on a component, the uses that it is for, and the modes in which it is legal. */
 #define ANY_MODE (INSTANTIATED | INITIALIZATION_MODE | STEP_MODE | EVENT_MODE | CONTINUOUS_MODE | TERMINATED)
 #define AFTER_START (INITIALIZATION_MODE | STEP_MODE | EVENT_MODE | CONTINUOUS_MODE | TERMINATED)
-#define CALLS(CALL)                                                                                              \
-    CALL(SetDebugLogging, BOTH, ANY_MODE)                                                                        \
-    CALL(SetupExperiment, BOTH, INSTANTIATED)                                                                    \
-    CALL(EnterInitializationMode, BOTH, INSTANTIATED)                                                            \
-    CALL(ExitInitializationMode, BOTH, INITIALIZATION_MODE)                                                      \
-    CALL(Terminate, BOTH, STEP_MODE | EVENT_MODE | CONTINUOUS_MODE)                                              \
-    CALL(Reset, BOTH, ANY_MODE)                                                                                  \
-    CALL(GetReal, BOTH, AFTER_START)                                                                             \
-    CALL(GetInteger, BOTH, AFTER_START)                                                                          \
-    CALL(GetBoolean, BOTH, AFTER_START)                                                                          \
-    CALL(GetString, BOTH, AFTER_START)                                                                           \
-    CALL(SetReal, BOTH, INSTANTIATED | INITIALIZATION_MODE | STEP_MODE | EVENT_MODE | CONTINUOUS_MODE)           \
-    CALL(SetInteger, BOTH, INSTANTIATED | INITIALIZATION_MODE | STEP_MODE | EVENT_MODE)                          \
-    CALL(SetBoolean, BOTH, INSTANTIATED | INITIALIZATION_MODE | STEP_MODE | EVENT_MODE)                          \
-    CALL(SetString, BOTH, INSTANTIATED | INITIALIZATION_MODE | STEP_MODE | EVENT_MODE)                           \
-    CALL(GetFMUstate, BOTH, ANY_MODE)                                                                            \
-    CALL(SetFMUstate, BOTH, ANY_MODE)                                                                            \
-    CALL(FreeFMUstate, BOTH, ANY_MODE)                                                                           \
-    CALL(SerializedFMUstateSize, BOTH, ANY_MODE)                                                                 \
-    CALL(SerializeFMUstate, BOTH, ANY_MODE)                                                                      \
-    CALL(DeSerializeFMUstate, BOTH, ANY_MODE)                                                                    \
-    CALL(GetDirectionalDerivative, BOTH, AFTER_START)                                                            \
-    CALL(SetRealInputDerivatives, CO_SIMULATION, INSTANTIATED | INITIALIZATION_MODE | STEP_MODE)                 \
-    CALL(GetRealOutputDerivatives, CO_SIMULATION, STEP_MODE | TERMINATED)                                        \
-    CALL(DoStep, CO_SIMULATION, STEP_MODE)                                                                       \
-    CALL(CancelStep, CO_SIMULATION, 0) /* no step is asynchronous */                                             \
-    CALL(GetStatus, CO_SIMULATION, STEP_MODE | TERMINATED)                                                       \
-    CALL(GetRealStatus, CO_SIMULATION, STEP_MODE | TERMINATED)                                                   \
-    CALL(GetIntegerStatus, CO_SIMULATION, STEP_MODE | TERMINATED)                                                \
-    CALL(GetBooleanStatus, CO_SIMULATION, STEP_MODE | TERMINATED)                                                \
-    CALL(GetStringStatus, CO_SIMULATION, STEP_MODE | TERMINATED)                                                 \
-    CALL(EnterEventMode, MODEL_EXCHANGE, EVENT_MODE | CONTINUOUS_MODE)                                           \
-    CALL(NewDiscreteStates, MODEL_EXCHANGE, EVENT_MODE)                                                          \
-    CALL(EnterContinuousTimeMode, MODEL_EXCHANGE, EVENT_MODE)                                                    \
-    CALL(CompletedIntegratorStep, MODEL_EXCHANGE, CONTINUOUS_MODE)                                               \
-    CALL(SetTime, MODEL_EXCHANGE, EVENT_MODE | CONTINUOUS_MODE)                                                  \
-    CALL(SetContinuousStates, MODEL_EXCHANGE, CONTINUOUS_MODE)                                                   \
-    CALL(GetDerivatives, MODEL_EXCHANGE, AFTER_START)                                                            \
-    CALL(GetEventIndicators, MODEL_EXCHANGE, AFTER_START)                                                        \
-    CALL(GetContinuousStates, MODEL_EXCHANGE, AFTER_START)                                                       \
+#define CALLS(CALL)                                                                                          \
+    CALL(SetDebugLogging, BOTH, ANY_MODE)                                                                    \
+    CALL(SetupExperiment, BOTH, INSTANTIATED)                                                                \
+    CALL(EnterInitializationMode, BOTH, INSTANTIATED)                                                        \
+    CALL(ExitInitializationMode, BOTH, INITIALIZATION_MODE)                                                  \
+    CALL(Terminate, BOTH, STEP_MODE | EVENT_MODE | CONTINUOUS_MODE)                                          \
+    CALL(Reset, BOTH, ANY_MODE)                                                                              \
+    CALL(GetReal, BOTH, AFTER_START)                                                                         \
+    CALL(GetInteger, BOTH, AFTER_START)                                                                      \
+    CALL(GetBoolean, BOTH, AFTER_START)                                                                      \
+    CALL(GetString, BOTH, AFTER_START)                                                                       \
+    CALL(SetReal, BOTH, INSTANTIATED | INITIALIZATION_MODE | STEP_MODE | EVENT_MODE | CONTINUOUS_MODE)       \
+    CALL(SetInteger, BOTH, INSTANTIATED | INITIALIZATION_MODE | STEP_MODE | EVENT_MODE)                      \
+    CALL(SetBoolean, BOTH, INSTANTIATED | INITIALIZATION_MODE | STEP_MODE | EVENT_MODE)                      \
+    CALL(SetString, BOTH, INSTANTIATED | INITIALIZATION_MODE | STEP_MODE | EVENT_MODE)                       \
+    CALL(GetFMUstate, BOTH, ANY_MODE)                                                                        \
+    CALL(SetFMUstate, BOTH, ANY_MODE)                                                                        \
+    CALL(FreeFMUstate, BOTH, ANY_MODE)                                                                       \
+    CALL(SerializedFMUstateSize, BOTH, ANY_MODE)                                                             \
+    CALL(SerializeFMUstate, BOTH, ANY_MODE)                                                                  \
+    CALL(DeSerializeFMUstate, BOTH, ANY_MODE)                                                                \
+    CALL(GetDirectionalDerivative, BOTH, AFTER_START)                                                        \
+    CALL(SetRealInputDerivatives, CO_SIMULATION, INSTANTIATED | INITIALIZATION_MODE | STEP_MODE)             \
+    CALL(GetRealOutputDerivatives, CO_SIMULATION, STEP_MODE | TERMINATED)                                    \
+    CALL(DoStep, CO_SIMULATION, STEP_MODE)                                                                   \
+    CALL(CancelStep, CO_SIMULATION, 0) /* no step is asynchronous */                                         \
+    CALL(GetStatus, CO_SIMULATION, STEP_MODE | TERMINATED)                                                   \
+    CALL(GetRealStatus, CO_SIMULATION, STEP_MODE | TERMINATED)                                               \
+    CALL(GetIntegerStatus, CO_SIMULATION, STEP_MODE | TERMINATED)                                            \
+    CALL(GetBooleanStatus, CO_SIMULATION, STEP_MODE | TERMINATED)                                            \
+    CALL(GetStringStatus, CO_SIMULATION, STEP_MODE | TERMINATED)                                             \
+    CALL(EnterEventMode, MODEL_EXCHANGE, EVENT_MODE | CONTINUOUS_MODE)                                       \
+    CALL(NewDiscreteStates, MODEL_EXCHANGE, EVENT_MODE)                                                      \
+    CALL(EnterContinuousTimeMode, MODEL_EXCHANGE, EVENT_MODE)                                                \
+    CALL(CompletedIntegratorStep, MODEL_EXCHANGE, CONTINUOUS_MODE)                                           \
+    CALL(SetTime, MODEL_EXCHANGE, EVENT_MODE | CONTINUOUS_MODE)                                              \
+    CALL(SetContinuousStates, MODEL_EXCHANGE, CONTINUOUS_MODE)                                               \
+    CALL(GetDerivatives, MODEL_EXCHANGE, AFTER_START)                                                        \
+    CALL(GetEventIndicators, MODEL_EXCHANGE, AFTER_START)                                                    \
+    CALL(GetContinuousStates, MODEL_EXCHANGE, AFTER_START)                                                   \
     CALL(GetNominalsOfContinuousStates, MODEL_EXCHANGE, ANY_MODE)
 
 #define CALL_NAME(name, uses, modes) CALL_##name,
@@ -83,11 +83,11 @@ typedef struct {
     fmi2CallbackFunctions callbacks;
     fmi2Type type;
     Mode mode;
-    unsigned int logged;      /* categories */
+    unsigned int logged; /* categories */
     bool stop_defined;
     double start, stop;
-    fmi2Status last_step;     /* what the last fmi2DoStep returned */
-    bool states_jumped;       /* modes were switched off since fmi2NewDiscreteStates */
+    fmi2Status last_step; /* what the last fmi2DoStep returned */
+    bool states_jumped;   /* modes were switched off since fmi2NewDiscreteStates */
     char *name;
 } Component;
 

@@ -4,8 +4,9 @@
 
 #include "instance.h"
 
-/* Whether a Real may be varied (inputs, states, and while initialising alpha and beta), and whether it follows
- * from these (outputs, derivatives of states, and while initialising damping ratios and a static start's q). */
+/* Whether a Real may be varied (inputs, states, and while initialising alpha and beta), and whether it
+ * follows from these (outputs, derivatives of states, and while initialising damping ratios and a static
+ * start's q). */
 INTERNAL bool is_known(const Instance *instance, Group group);
 INTERNAL bool is_unknown(const Instance *instance, Group group);
 
@@ -13,7 +14,8 @@ INTERNAL bool is_unknown(const Instance *instance, Group group);
 INTERNAL void clear_directions(Instance *instance);
 INTERNAL void add_direction(Instance *instance, Group group, size_t place, double dv);
 
-/* Take the directions on to q'' (and to q in a static start): exact, the model is linear in inputs and states.
+/* Take the directions on to q'' (and to q in a static start): exact, the model is linear in inputs and
+ * states.
  *
  *     dq' = dv,   dq'' = B du - d dv - lam dq - (dalpha + lam dbeta) v;
  *     in a static start dq = B du/lam, and then B du - lam dq = 0. */

@@ -12,8 +12,8 @@ static bool before_stop(const Component *c, double end, Reason *reason)
            refuse(reason, "the step ends at %.17g, expected no later than stopTime = %.17g", end, c->stop);
 }
 
-fmi2Status fmi2DoStep(fmi2Component component, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
-                      fmi2Boolean noSetFMUStatePriorToCurrentPoint)
+fmi2Status fmi2DoStep(fmi2Component component, fmi2Real currentCommunicationPoint,
+                      fmi2Real communicationStepSize, fmi2Boolean noSetFMUStatePriorToCurrentPoint)
 {
     (void)noSetFMUStatePriorToCurrentPoint;
     Component *c = legal(component, CALL_DoStep);
@@ -28,7 +28,8 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real currentCommunicationPoin
         return refused(c, CALL_DoStep, c->last_step, &reason);
     if (c->instance->step_size_was_new && c->logged & LOG_STEP_SIZES) {
         char message[128];
-        snprintf(message, sizeof message, "fmi2DoStep: the step size %.17g is new, its coefficients were computed",
+        snprintf(message, sizeof message,
+                 "fmi2DoStep: the step size %.17g is new, its coefficients were computed",
                  communicationStepSize);
         tell(c, fmi2OK, LOG_STEP_SIZES, message);
     }

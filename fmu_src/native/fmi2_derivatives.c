@@ -11,13 +11,14 @@ static Group varied_group(const Instance *x, fmi2ValueReference vr, bool known, 
     Group group = group_of(&x->layout, vr, place);
     if (group != NO_VARIABLE && (known ? is_known(x, group) : is_unknown(x, group)))
         return group;
-    refuse(reason, "got value reference %u, expected %s of ModelStructure", vr, known ? "a dependency" : "an unknown");
+    refuse(reason, "got value reference %u, expected %s of ModelStructure", vr,
+           known ? "a dependency" : "an unknown");
     return NO_VARIABLE;
 }
 
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
-                                        const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
-                                        fmi2Real dvUnknown[])
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2ValueReference vUnknown_ref[],
+                                        size_t nUnknown, const fmi2ValueReference vKnown_ref[], size_t nKnown,
+                                        const fmi2Real dvKnown[], fmi2Real dvUnknown[])
 {
     Component *c = legal(component, CALL_GetDirectionalDerivative);
     if (!c)
@@ -48,11 +49,13 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2Value
 }
 
 /* A reference of this group with an order 1 ... RATES. */
-static bool derivative_exists(const Instance *x, fmi2ValueReference vr, fmi2Integer order, Group expected, Reason *reason)
+static bool derivative_exists(const Instance *x, fmi2ValueReference vr, fmi2Integer order, Group expected,
+                              Reason *reason)
 {
     size_t place;
     if (group_of(&x->layout, vr, &place) != expected)
-        return refuse(reason, "got value reference %u, expected an %s", vr, expected == INPUT ? "input" : "output");
+        return refuse(reason, "got value reference %u, expected an %s", vr,
+                      expected == INPUT ? "input" : "output");
     return (order >= 1 && order <= RATES) || refuse(reason, "got order %d, expected 1 or %d", order, RATES);
 }
 

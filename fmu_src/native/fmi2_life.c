@@ -37,7 +37,8 @@ static bool out_of_memory(Reason *reason)
 }
 
 /* Read the model and make the instance; what was made so far is in `c`, whatever this returns. */
-static bool fill_component(Component *c, fmi2String name, fmi2String guid, fmi2String location, Reason *reason)
+static bool fill_component(Component *c, fmi2String name, fmi2String guid, fmi2String location,
+                           Reason *reason)
 {
     if (!name || name[strspn(name, " \t\r\n")] == 0)
         return refuse(reason, "got no instanceName, expected a text");
@@ -52,15 +53,16 @@ static bool fill_component(Component *c, fmi2String name, fmi2String guid, fmi2S
         return false;
     c->source = source;
     if (strcmp(guid, source.guid) != 0)
-        return refuse(reason, "got the GUID %.64s, expected %s, that of the resources: they belong to another FMU", guid,
-                      source.guid);
+        return refuse(reason,
+                      "got the GUID %.64s, expected %s, that of the resources: they belong to another FMU",
+                      guid, source.guid);
     c->instance = new_instance(source.model, &c->memory);
     return c->instance ? true : out_of_memory(reason);
 }
 
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
-                              fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions, fmi2Boolean visible,
-                              fmi2Boolean loggingOn)
+                              fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
+                              fmi2Boolean visible, fmi2Boolean loggingOn)
 {
     (void)visible;
     if (!functions)
@@ -89,8 +91,8 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         return NULL;
     }
     const ReducedModel *model = c->source.model;
-    snprintf(message, sizeof message, "%.64s: %zu modes, %zu inputs, %zu outputs; %s instructions", model->name, model->r,
-             model->m, model->p, c->instance->kernels->instructions);
+    snprintf(message, sizeof message, "%.64s: %zu modes, %zu inputs, %zu outputs; %s instructions",
+             model->name, model->r, model->m, model->p, c->instance->kernels->instructions);
     tell(c, fmi2OK, LOG_MODEL, message);
     return c;
 }
@@ -126,7 +128,8 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean loggingOn, s
         }
         chosen |= bit;
     }
-    c->logged = (loggingOn ? c->logged | chosen : c->logged & ~chosen) | LOG_ERROR; /* errors are always told */
+    c->logged =
+        (loggingOn ? c->logged | chosen : c->logged & ~chosen) | LOG_ERROR; /* errors are always told */
     return fmi2OK;
 }
 
@@ -140,8 +143,8 @@ fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean toleranceDef
         return fmi2Error;
     Reason reason;
     if (!isfinite(startTime) || (stopTimeDefined && !(stopTime >= startTime))) {
-        refuse(&reason, "got startTime %g and stopTime %g, expected a finite start and no earlier stop", startTime,
-               stopTimeDefined ? stopTime : INFINITY);
+        refuse(&reason, "got startTime %g and stopTime %g, expected a finite start and no earlier stop",
+               startTime, stopTimeDefined ? stopTime : INFINITY);
         return refused(c, CALL_SetupExperiment, fmi2Error, &reason);
     }
     c->start = startTime;

@@ -82,7 +82,8 @@ static Component *with_states(fmi2Component component, Call call, const void *va
     size_t states = 2 * c->source.model->r;
     if (count == states && values)
         return c;
-    refuse(&reason, "got %zu values%s, expected an array of %zu", count, values ? "" : " at a NULL pointer", states);
+    refuse(&reason, "got %zu values%s, expected an array of %zu", count, values ? "" : " at a NULL pointer",
+           states);
     refused(c, call, fmi2Error, &reason);
     return NULL;
 }
@@ -96,7 +97,8 @@ fmi2Status fmi2SetContinuousStates(fmi2Component component, const fmi2Real x[], 
     Reason reason;
     for (size_t i = 0; i < nx; i++)
         if (!isfinite(x[i])) {
-            refuse(&reason, "got %g for state %zu, expected a finite number: try a smaller step", x[i], i + 1);
+            refuse(&reason, "got %g for state %zu, expected a finite number: try a smaller step", x[i],
+                   i + 1);
             return refused(c, CALL_SetContinuousStates, fmi2Discard, &reason);
         }
     for (size_t i = 0; i < r; i++) {

@@ -33,12 +33,14 @@ static fmi2Status no_state(const Component *c, Call call, const char *what)
 }
 
 /* The head of a state of this FMU. */
-static bool read_head(const Component *c, const unsigned char *bytes, size_t size, StateHead *head, Reason *reason)
+static bool read_head(const Component *c, const unsigned char *bytes, size_t size, StateHead *head,
+                      Reason *reason)
 {
     if (size != state_size(c))
         return refuse(reason, "got %zu bytes, expected %zu: it is no state of this FMU", size, state_size(c));
     memcpy(head, bytes, sizeof *head);
-    if (memcmp(head->guid, c->source.guid, GUID_SIZE) != 0 || head->size != size || head->type != (uint64_t)c->type)
+    if (memcmp(head->guid, c->source.guid, GUID_SIZE) != 0 || head->size != size ||
+        head->type != (uint64_t)c->type)
         return refuse(reason, "the bytes are no state of this FMU in this use of it");
     return true;
 }
@@ -50,7 +52,8 @@ fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *FMUstate)
         return fmi2Error;
     unsigned char *bytes = FMUstate ? state_memory(c, *FMUstate) : NULL;
     if (!bytes)
-        return no_state(c, CALL_GetFMUstate, FMUstate ? "the host's allocateMemory gave no memory" : "got a NULL pointer");
+        return no_state(c, CALL_GetFMUstate,
+                        FMUstate ? "the host's allocateMemory gave no memory" : "got a NULL pointer");
     StateHead head = {.size = state_size(c),
                       .type = (uint64_t)c->type,
                       .mode = (uint64_t)c->mode,
@@ -73,7 +76,8 @@ static bool consistent(const StateHead *head)
     uint64_t possible = INSTANTIATED | INITIALIZATION_MODE | TERMINATED | running;
     bool one_mode = head->mode != 0 && (head->mode & (head->mode - 1)) == 0;
     return one_mode && (head->mode & possible) && head->stop_defined <= 1 && head->states_jumped <= 1 &&
-           head->last_step <= fmi2Error && isfinite(head->start) && !(head->stop_defined && isnan(head->stop));
+           head->last_step <= fmi2Error && isfinite(head->start) &&
+           !(head->stop_defined && isnan(head->stop));
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate FMUstate)
@@ -125,7 +129,8 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate FMUs
     return fmi2OK;
 }
 
-fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size)
+fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate FMUstate, fmi2Byte serializedState[],
+                                 size_t size)
 {
     Component *c = legal(component, CALL_SerializeFMUstate);
     if (!c)

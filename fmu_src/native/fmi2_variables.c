@@ -59,7 +59,8 @@ static bool can_set(const Component *c, Group group, fmi2ValueReference vr, doub
     return isfinite(value) || refuse(reason, "got a modal state of %g, expected a finite number", value);
 }
 
-fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[])
+fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
+                       const fmi2Real value[])
 {
     Component *c = legal(component, CALL_SetReal);
     if (!c)
@@ -67,10 +68,12 @@ fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], s
     Instance *x = c->instance;
     Reason reason;
     size_t place;
-    if (!arrays_given(vr, value, nvr, &reason) || !references_exist(vr, nvr, x->layout.start[NO_VARIABLE], &reason))
+    if (!arrays_given(vr, value, nvr, &reason) ||
+        !references_exist(vr, nvr, x->layout.start[NO_VARIABLE], &reason))
         return refused(c, CALL_SetReal, fmi2Error, &reason);
     for (size_t k = 0; k < nvr; k++)
-        if (vr[k] >= x->model->m && !can_set(c, group_of(&x->layout, vr[k], &place), vr[k], value[k], &reason))
+        if (vr[k] >= x->model->m &&
+            !can_set(c, group_of(&x->layout, vr[k], &place), vr[k], value[k], &reason))
             return refused(c, CALL_SetReal, fmi2Error, &reason);
     double alpha = x->alpha, beta = x->beta;
     for (size_t k = 0; k < nvr; k++)
@@ -95,7 +98,8 @@ fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], s
     return fmi2OK;
 }
 
-fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[])
+fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
+                          fmi2Integer value[])
 {
     Component *c = legal(component, CALL_GetInteger);
     if (!c)
@@ -117,7 +121,8 @@ static bool moves_beyond(const Instance *x, size_t active)
     return false;
 }
 
-fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer value[])
+fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
+                          const fmi2Integer value[])
 {
     Component *c = legal(component, CALL_SetInteger);
     if (!c)
@@ -150,28 +155,32 @@ static fmi2Status no_variables(fmi2Component component, Call call, size_t count)
     return refused(c, call, fmi2Error, &reason);
 }
 
-fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[])
+fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
+                          fmi2Boolean value[])
 {
     (void)vr;
     (void)value;
     return no_variables(component, CALL_GetBoolean, nvr);
 }
 
-fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference vr[], size_t nvr, const fmi2Boolean value[])
+fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
+                          const fmi2Boolean value[])
 {
     (void)vr;
     (void)value;
     return no_variables(component, CALL_SetBoolean, nvr);
 }
 
-fmi2Status fmi2GetString(fmi2Component component, const fmi2ValueReference vr[], size_t nvr, fmi2String value[])
+fmi2Status fmi2GetString(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
+                         fmi2String value[])
 {
     (void)vr;
     (void)value;
     return no_variables(component, CALL_GetString, nvr);
 }
 
-fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[])
+fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
+                         const fmi2String value[])
 {
     (void)vr;
     (void)value;

@@ -111,8 +111,7 @@ static bool is_xml(const Json *text, const char *what, Reason *reason)
         unsigned char c = (unsigned char)text->text[k];
         fits = c >= ' ' || c == '\t' || c == '\n' || c == '\r';
     }
-    return fits ||
-           refuse(reason, HEADER ": %s: got a character that XML cannot hold; " AGAIN, what);
+    return fits || refuse(reason, HEADER ": %s: got a character that XML cannot hold; " AGAIN, what);
 }
 
 ReducedModel *described_model(const Json *header, const Memory *memory, Reason *reason)
@@ -128,8 +127,8 @@ ReducedModel *described_model(const Json *header, const Memory *memory, Reason *
     const Json *name = expected_member(header, "name", JSON_TEXT, reason);
     const Json *ports = name ? expected_member(header, "ports", JSON_LIST, reason) : NULL;
     const Json *description = ports ? expected_member(header, "description", JSON_TEXT, reason) : NULL;
-    if (!description || !is_xml(description, "description", reason) ||
-        !is_identifier(name, "name", reason) || !check_ports(ports, &sizes, memory, reason))
+    if (!description || !is_xml(description, "description", reason) || !is_identifier(name, "name", reason) ||
+        !check_ports(ports, &sizes, memory, reason))
         return NULL;
     ReducedModel *model = new_model(name, ports, &sizes, memory);
     if (!model) {

@@ -6,8 +6,8 @@
 #include <stdint.h>
 #include <string.h>
 
-#define ALIGNMENT 64      /* bytes of the widest register */
-#define MODAL_VECTORS 16  /* what place_vectors hands out */
+#define ALIGNMENT 64     /* bytes of the widest register */
+#define MODAL_VECTORS 16 /* what place_vectors hands out */
 #define INPUT_VECTORS 4
 #define COEFFICIENTS 7
 
@@ -19,7 +19,8 @@ static size_t padded(size_t count)
 /* How many numbers an instance of the model keeps; 0 where they cannot be counted. */
 static size_t vector_numbers(const ReducedModel *model)
 {
-    size_t n = padded(model->r), columns = MODAL_VECTORS + KEPT_STEP_SIZES * COEFFICIENTS + model->m + model->p;
+    size_t n = padded(model->r),
+           columns = MODAL_VECTORS + KEPT_STEP_SIZES * COEFFICIENTS + model->m + model->p;
     size_t limit = SIZE_MAX / sizeof(double) / 4;
     if (model->r > limit || model->m > limit || model->p > limit || columns > limit / n)
         return 0;
@@ -37,9 +38,10 @@ static double *take(double **rest, size_t count)
 static void place_vectors(Instance *x, double *rest)
 {
     size_t n = x->n, m = x->model->m, p = x->model->p;
-    double **modal[MODAL_VECTORS] = {&x->lam,       &x->D_rest,    &x->d,         &x->f[0],    &x->f[1],    &x->f[2],
-                                     &x->motion[0], &x->motion[1], &x->motion[2], &x->motion[3], &x->motion[4],
-                                     &x->next[0],   &x->next[1],   &x->seed[0],   &x->seed[1], &x->seed[2]};
+    double **modal[MODAL_VECTORS] = {&x->lam,       &x->D_rest,    &x->d,         &x->f[0],
+                                     &x->f[1],      &x->f[2],      &x->motion[0], &x->motion[1],
+                                     &x->motion[2], &x->motion[3], &x->motion[4], &x->next[0],
+                                     &x->next[1],   &x->seed[0],   &x->seed[1],   &x->seed[2]};
     double **of_inputs[INPUT_VECTORS] = {&x->u[0], &x->u[1], &x->u[2], &x->seed_u};
     for (size_t k = 0; k < MODAL_VECTORS; k++)
         *modal[k] = take(&rest, n);
@@ -179,8 +181,10 @@ bool end_initialisation(Instance *x, Reason *reason)
     const double *q = motion(x, 0)[0];
     for (size_t i = 0; i < x->active; i++)
         if (!isfinite(q[i]))
-            return refuse(reason, "the static start gives modes.amplitude[%zu] = %g, expected a finite number: "
-                          "set finite inputs", i + 1, q[i]);
+            return refuse(reason,
+                          "the static start gives modes.amplitude[%zu] = %g, expected a finite number: "
+                          "set finite inputs",
+                          i + 1, q[i]);
     x->initialising = false;
     return true;
 }
@@ -225,8 +229,8 @@ static bool step_is_legal(const Instance *x, double time, double h, Reason *reas
         return refuse(reason, "communicationStepSize is %g, expected a finite number > 0", h);
     double distance = fabs(time - x->time), same = SAME_POINT * larger(1.0, fabs(x->time));
     if (!(distance <= same && distance <= 0.5 * h))
-        return refuse(reason, "currentCommunicationPoint is %.17g, expected %.17g, where the last step ended", time,
-                      x->time);
+        return refuse(reason, "currentCommunicationPoint is %.17g, expected %.17g, where the last step ended",
+                      time, x->time);
     return inputs_are_finite(x, reason);
 }
 

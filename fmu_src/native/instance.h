@@ -9,8 +9,9 @@
 #include "variables.h"
 
 #define KEPT_STEP_SIZES 16 /* masters form h as a difference of times, which jitters over a few values */
-#define SAME_POINT 1e-9    /* relative to max(1, |t|): a step that starts this near to the last one's end starts there */
-#define RATES 2            /* orders of the input derivatives and of the output derivatives */
+#define SAME_POINT                                                                                           \
+    1e-9        /* relative to max(1, |t|): a step that starts this near to the last one's end starts there */
+#define RATES 2 /* orders of the input derivatives and of the output derivatives */
 
 /* All vectors of modes have n entries, r of them used; those behind `active` are 0. */
 typedef struct {
@@ -18,11 +19,11 @@ typedef struct {
     Layout layout;
     const Kernels *kernels;
     size_t n;
-    double *lam, *D_rest, *d;  /* lambda, the diagonal of D_rest, d = alpha + beta lambda + D_rest */
-    double *B, *C;             /* the columns of B, the rows of C */
-    OutputKind highest_kind;   /* of the outputs */
-    bool initialising;         /* until fmi2ExitInitializationMode */
-    bool settled;              /* a static start is in equilibrium with the present inputs */
+    double *lam, *D_rest, *d; /* lambda, the diagonal of D_rest, d = alpha + beta lambda + D_rest */
+    double *B, *C;            /* the columns of B, the rows of C */
+    OutputKind highest_kind;  /* of the outputs */
+    bool initialising;        /* until fmi2ExitInitializationMode */
+    bool settled;             /* a static start is in equilibrium with the present inputs */
     double time, alpha, beta;
     size_t active, n_active;   /* modes that move; the same rounded up to whole registers */
     double *u[1 + RATES];      /* the inputs and their rates, (m) each */
@@ -36,10 +37,10 @@ typedef struct {
     Propagator kept[KEPT_STEP_SIZES];
     unsigned char newest[KEPT_STEP_SIZES]; /* places in `kept`, the one used last first */
     size_t kept_count;
-    double *seed_u, *seed[3];  /* directions of a directional derivative: of u; of q, v, a; of alpha, beta */
+    double *seed_u, *seed[3]; /* directions of a directional derivative: of u; of q, v, a; of alpha, beta */
     double seed_alpha, seed_beta;
-    void *block;               /* the memory of all the vectors */
-    bool step_size_was_new;    /* in the last step; the coefficients were computed */
+    void *block;            /* the memory of all the vectors */
+    bool step_size_was_new; /* in the last step; the coefficients were computed */
 } Instance;
 
 /* How a step ended. Where it is not made, nothing has changed. */

@@ -8,7 +8,7 @@
 /* Halfway between two doubles lies a number of fewer digits: of more it only matters whether all are 0. */
 #define DECIDING_DIGITS 800
 #define EXPONENT_LIMIT 99999 /* with so many digits, anything beyond is 0 or infinite */
-#define EXPONENT_SIZE 8 /* e-99999 and the final 0 */
+#define EXPONENT_SIZE 8      /* e-99999 and the final 0 */
 
 bool json_expected(JsonInput *input, const char *expected)
 {
@@ -31,7 +31,7 @@ static size_t utf8_length(const JsonInput *input)
     size_t length = first < 0x80 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
     if (first >= 0xF5 || (first >= 0x80 && first < 0xC2) || (size_t)(input->end - at) < length)
         return 0;
-    unsigned char low = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80; /* no longer form than needed */
+    unsigned char low = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80;  /* no longer form than needed */
     unsigned char high = first == 0xED ? 0x9F : first == 0xF4 ? 0x8F : 0xBF; /* no surrogates, <= U+10FFFF */
     for (size_t k = 1; k < length; k++) {
         if (at[k] < low || at[k] > high)

@@ -6,7 +6,8 @@
 #define INLINE static inline
 #endif
 
-/* A decaying mode ends at 0: not in subnormal numbers, on which many processors are a hundred times slower. */
+/* A decaying mode ends at 0: not in subnormal numbers, on which many processors are a hundred times slower.
+ */
 #define TINY 1e-280
 
 INLINE double flushed(double x)
@@ -20,7 +21,8 @@ INLINE void add_body(double *restrict f, const double *restrict column, double u
         f[i] += column[i] * u;
 }
 
-/* The sum of LANES partial sums, one after the other: summed in pairs, clang keeps them in 128-bit registers. */
+/* The sum of LANES partial sums, one after the other: summed in pairs, clang keeps them in 128-bit registers.
+ */
 INLINE double total(const double sum[LANES])
 {
     double s = 0.0;
@@ -32,7 +34,8 @@ INLINE double total(const double sum[LANES])
 INLINE double step_held_body(const Propagator *P, const double *restrict q, const double *restrict v,
                              const double *restrict f, double *restrict q1, double *restrict v1, size_t n)
 {
-    const double *restrict E11 = P->E11, *restrict E12 = P->E12, *restrict E21 = P->E21, *restrict E22 = P->E22;
+    const double *restrict E11 = P->E11, *restrict E12 = P->E12, *restrict E21 = P->E21,
+                           *restrict E22 = P->E22;
     const double *restrict G0 = P->G0;
     double sum[LANES] = {0};
     for (size_t i = 0; i < n; i += LANES)
@@ -62,13 +65,14 @@ INLINE double step_body(const Propagator *P, const double *restrict q, const dou
     return total(sum);
 }
 
-INLINE void outputs_body(const Outputs *rows, size_t order, const unsigned int *references, unsigned int first,
-                         size_t count, double *restrict y)
+INLINE void outputs_body(const Outputs *rows, size_t order, const unsigned int *references,
+                         unsigned int first, size_t count, double *restrict y)
 {
     size_t n = rows->n;
     for (size_t j = 0; j < count; j++) {
         size_t row = references[j] - first;
-        const double *restrict c = rows->C + row * rows->length, *restrict x = rows->motion[rows->kinds[row] + order];
+        const double *restrict c = rows->C + row * rows->length, *restrict x =
+                                                                     rows->motion[rows->kinds[row] + order];
         double sum[LANES] = {0};
         for (size_t i = 0; i < n; i += LANES)
             for (size_t k = 0; k < LANES; k++)
@@ -78,26 +82,26 @@ INLINE void outputs_body(const Outputs *rows, size_t order, const unsigned int *
 }
 
 /* The four bodies, compiled for one set of instructions. */
-#define KERNELS(NAME, TARGET)                                                                                    \
-    TARGET static void add_##NAME(double *f, const double *column, double u, size_t n)                           \
-    {                                                                                                            \
-        add_body(f, column, u, n);                                                                               \
-    }                                                                                                            \
-    TARGET static double step_##NAME(const Propagator *P, const double *q, const double *v, double *const f[3],  \
-                                     double *q1, double *v1, size_t n)                                           \
-    {                                                                                                            \
-        return step_body(P, q, v, f, q1, v1, n);                                                                 \
-    }                                                                                                            \
-    TARGET static double step_held_##NAME(const Propagator *P, const double *q, const double *v,                 \
-                                          const double *f, double *q1, double *v1, size_t n)                     \
-    {                                                                                                            \
-        return step_held_body(P, q, v, f, q1, v1, n);                                                            \
-    }                                                                                                            \
-    TARGET static void outputs_##NAME(const Outputs *rows, size_t order, const unsigned int *references,         \
-                                      unsigned int first, size_t count, double *y)                               \
-    {                                                                                                            \
-        outputs_body(rows, order, references, first, count, y);                                                  \
-    }                                                                                                            \
+#define KERNELS(NAME, TARGET)                                                                                \
+    TARGET static void add_##NAME(double *f, const double *column, double u, size_t n)                       \
+    {                                                                                                        \
+        add_body(f, column, u, n);                                                                           \
+    }                                                                                                        \
+    TARGET static double step_##NAME(const Propagator *P, const double *q, const double *v,                  \
+                                     double *const f[3], double *q1, double *v1, size_t n)                   \
+    {                                                                                                        \
+        return step_body(P, q, v, f, q1, v1, n);                                                             \
+    }                                                                                                        \
+    TARGET static double step_held_##NAME(const Propagator *P, const double *q, const double *v,             \
+                                          const double *f, double *q1, double *v1, size_t n)                 \
+    {                                                                                                        \
+        return step_held_body(P, q, v, f, q1, v1, n);                                                        \
+    }                                                                                                        \
+    TARGET static void outputs_##NAME(const Outputs *rows, size_t order, const unsigned int *references,     \
+                                      unsigned int first, size_t count, double *y)                           \
+    {                                                                                                        \
+        outputs_body(rows, order, references, first, count, y);                                              \
+    }                                                                                                        \
     static const Kernels kernels_##NAME = {#NAME, add_##NAME, step_##NAME, step_held_##NAME, outputs_##NAME};
 
 KERNELS(baseline, )

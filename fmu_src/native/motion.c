@@ -55,7 +55,8 @@ static size_t run_of_outputs(const Instance *x, const unsigned int *references, 
 }
 
 /* y = C q^(kind + order) for a run of outputs, all computed from what was asked for and no more. */
-static void output_values(Instance *x, size_t order, const unsigned int *references, size_t count, double *values)
+static void output_values(Instance *x, size_t order, const unsigned int *references, size_t count,
+                          double *values)
 {
     const OutputKind *kinds = x->model->output_kinds;
     const unsigned int first = (unsigned int)x->layout.start[OUTPUT];

@@ -98,7 +98,8 @@ void propagator(Propagator *P, const double *lam, const double *d, size_t r, dou
     P->h = h;
     for (size_t i = 0; i < r; i++) {
         double half = 0.5 * d[i];
-        double disc = half * half - lam[i]; /* its rounding is one of lam, in which the coefficients are smooth */
+        double disc =
+            half * half - lam[i]; /* its rounding is one of lam, in which the coefficients are smooth */
         double s = sqrt(fabs(disc));
         double largest = (disc > 0.0 ? half + s : sqrt(lam[i])) * h; /* |x2| */
         Differences x = {NAN, NAN, NAN, NAN, NAN, NAN};

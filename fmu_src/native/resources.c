@@ -94,8 +94,8 @@ static bool check_values(const ReducedModel *model, Reason *reason)
         for (size_t j = 0; j < model->r; j++) {
             double d = model->D_rest[i * model->r + j];
             if (i == j ? d < 0.0 : d != 0.0)
-                return refuse(reason, "model/D_rest.npy: expected a diagonal matrix with entries >= 0; "
-                              AGAIN);
+                return refuse(reason,
+                              "model/D_rest.npy: expected a diagonal matrix with entries >= 0; " AGAIN);
         }
     return !(model->initial_static && lam[0] == 0.0) ||
            refuse(reason, HEADER ": got a static start with a rigid mode, expected lam > 0; " AGAIN);

@@ -13,6 +13,7 @@ Floats: TypeAlias = NDArray[np.float64]
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 NOT_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+LONGEST_NAME = 200  # the FMU's files carry it, and file systems end at 255 bytes
 INPUT_UNITS = {"force": "N"}
 OUTPUT_UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
 INPUTS = tuple(f"{kind}.{k}" for kind in INPUT_UNITS for k in "xyz")
@@ -116,6 +117,8 @@ def damping_ratio(lam: Floats, d: Floats) -> Floats:
 
 
 def _check_names(model: ReducedModel) -> None:
+    if len(model.name) > LONGEST_NAME:
+        raise ModelError(f"name: got {len(model.name)} characters, expected at most {LONGEST_NAME}")
     for what, name in [("name", model.name), *(("port", port.name) for port in model.ports)]:
         if not IDENTIFIER.fullmatch(name):
             raise ModelError(f"{what}: got {name!r}, expected a C identifier: letters, digits and _")

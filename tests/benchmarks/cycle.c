@@ -1,8 +1,9 @@
 /* cycle LIBRARY GUID LOCATION FOLDER READ BATCHES: time of set + step + get, and of the bare loops.
  *
- * The bare work is B u, the update of q and v, and C q by the same kernels on the same numbers, with nothing around
- * them. The inputs change at every step, the first READ outputs are read. Both advance by turns, in small batches
- * of CYCLES; what is printed are medians in ns per cycle, and the largest difference of the two results. */
+ * The bare work is B u, the update of q and v, and C q by the same kernels on the same numbers, with nothing
+ * around them. The inputs change at every step, the first READ outputs are read. Both advance by turns, in
+ * small batches of CYCLES; what is printed are medians in ns per cycle, and the largest difference of the two
+ * results. */
 #include "host.h"
 
 #include "instance.h"
@@ -26,8 +27,8 @@ static Bare bare_work(const ReducedModel *model, size_t read)
 {
     size_t r = model->r, m = model->m, n = (r + LANES - 1) / LANES * LANES;
     Bare x = {.n = n, .m = m, .read = read, .kinds = model->output_kinds, .kernels = best_kernels()};
-    double **vectors[] = {&x.f, &x.q[0], &x.q[1], &x.v[0], &x.v[1], &x.P.E11, &x.P.E12, &x.P.E21, &x.P.E22,
-                          &x.P.G0, &x.P.G1, &x.P.G2};
+    double **vectors[] = {&x.f,     &x.q[0],  &x.q[1],  &x.v[0], &x.v[1], &x.P.E11,
+                          &x.P.E12, &x.P.E21, &x.P.E22, &x.P.G0, &x.P.G1, &x.P.G2};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
         *vectors[k] = lines_of_memory(n, sizeof(double));
     x.y = lines_of_memory(read, sizeof(double));

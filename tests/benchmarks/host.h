@@ -82,7 +82,8 @@ static const fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL,
 /* An instance in co-simulation, ready to step from t = 0. */
 static inline fmi2Component started(const Fmu *fmu, const char *guid, const char *location)
 {
-    fmi2Component c = fmu->instantiate("one", fmi2CoSimulation, guid, location, &callbacks, fmi2False, fmi2False);
+    fmi2Component c =
+        fmu->instantiate("one", fmi2CoSimulation, guid, location, &callbacks, fmi2False, fmi2False);
     required(c, "an instance");
     require_ok(fmu->setup(c, fmi2False, 0.0, 0.0, fmi2False, 0.0), "fmi2SetupExperiment");
     require_ok(fmu->enter(c), "fmi2EnterInitializationMode");

@@ -1,4 +1,5 @@
-/* instructions MODES INPUTS OUTPUTS BATCHES: B u, the update and C q by each set of instructions, ns a cycle. */
+/* instructions MODES INPUTS OUTPUTS BATCHES: B u, the update and C q by each set of instructions, ns a cycle.
+ */
 #include "host.h"
 
 #include "kernels.c" /* its tables are private to it */
@@ -17,7 +18,8 @@ int main(int count, char **given)
 {
     if (count != 5)
         return 1;
-    const size_t n = (strtoul(given[1], NULL, 10) + LANES - 1) / LANES * LANES, m = strtoul(given[2], NULL, 10);
+    const size_t n = (strtoul(given[1], NULL, 10) + LANES - 1) / LANES * LANES,
+                 m = strtoul(given[2], NULL, 10);
     const size_t p = strtoul(given[3], NULL, 10), batches = strtoul(given[4], NULL, 10);
     const Kernels *tables[] = {
         &kernels_baseline,
@@ -31,7 +33,8 @@ int main(int count, char **given)
         if (tables[k] == best_kernels())
             usable = k + 1;
     Propagator P = {1.0, numbers(n), numbers(n), numbers(n), numbers(n), numbers(n), numbers(n), numbers(n)};
-    double *q = numbers(n), *v = numbers(n), *f = numbers(n), *q1 = numbers(n), *v1 = numbers(n), *y = numbers(p);
+    double *q = numbers(n), *v = numbers(n), *f = numbers(n), *q1 = numbers(n), *v1 = numbers(n),
+           *y = numbers(p);
     double *B = numbers(m * n), *C = numbers(p * n), *u = numbers(m), *times[3], *motion[] = {q1, v1};
     unsigned int *references = lines_of_memory(p, sizeof *references);
     OutputKind *kinds = lines_of_memory(p, sizeof *kinds);

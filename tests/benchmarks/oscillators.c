@@ -1,9 +1,10 @@
-/* oscillators LIBRARY GUID LOCATION FOLDER METHOD OMEGA SAMPLES STEPS: the response to sin(OMEGA t), 1 s from rest.
+/* oscillators LIBRARY GUID LOCATION FOLDER METHOD OMEGA SAMPLES STEPS: the response to sin(OMEGA t), 1 s from
+ * rest.
  *
- * The force acts on input 0; output 0 is printed at SAMPLES equal times, STEPS steps between two of them, then the
- * time of all steps in ns (the fastest of REPEATS). METHOD newmark: average acceleration on every oscillator,
- * q1 = q + h v + h2/4 (a + a1), v1 = v + h/2 (a + a1), in plain loops of the compiler; fmu: the FMU's step with the
- * first two derivatives of the force. */
+ * The force acts on input 0; output 0 is printed at SAMPLES equal times, STEPS steps between two of them,
+ * then the time of all steps in ns (the fastest of REPEATS). METHOD newmark: average acceleration on every
+ * oscillator, q1 = q + h v + h2/4 (a + a1), v1 = v + h/2 (a + a1), in plain loops of the compiler; fmu: the
+ * FMU's step with the first two derivatives of the force. */
 #include "host.h"
 
 #include "resources.h"
@@ -24,7 +25,8 @@ static double newmark(const Task *task, double *y)
     size_t r = model->r;
     double *restrict q = lines_of_memory(r, sizeof *q), *restrict v = lines_of_memory(r, sizeof *v);
     double *restrict a = lines_of_memory(r, sizeof *a), *restrict d = lines_of_memory(r, sizeof *d);
-    double *restrict b = lines_of_memory(r, sizeof *b), *restrict inverse = lines_of_memory(r, sizeof *inverse);
+    double *restrict b = lines_of_memory(r, sizeof *b), *restrict inverse =
+                                                            lines_of_memory(r, sizeof *inverse);
     const double *restrict lam = model->lam;
     double h = 1.0 / (double)(task->samples * task->steps), start = nanoseconds();
     for (size_t i = 0; i < r; i++) {
@@ -88,7 +90,8 @@ int main(int count, char **given)
     Task task = {model, strtod(given[6], NULL), strtoul(given[7], NULL, 10), strtoul(given[8], NULL, 10)};
     double *y = lines_of_memory(task.samples, sizeof *y), fastest = INFINITY;
     for (int k = 0; k < REPEATS; k++)
-        fastest = fmin(fastest, strcmp(given[5], "newmark") == 0 ? newmark(&task, y) : stepped(&task, &fmu, given, y));
+        fastest = fmin(fastest,
+                       strcmp(given[5], "newmark") == 0 ? newmark(&task, y) : stepped(&task, &fmu, given, y));
     for (size_t k = 0; k < task.samples; k++)
         printf("y%zu %.17g\n", k, y[k]);
     printf("time %.17g\n", fastest);

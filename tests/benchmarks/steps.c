@@ -1,13 +1,13 @@
 /* steps LIBRARY GUID LOCATION INPUTS STEPS LOADS: fmi2DoStep one by one, with a new step size, and loading.
  *
- * Prints ns: median, p99.9 and maximum of STEPS steps of one size with the clock's own cost in them, that cost,
- * the median of a step whose size was never seen, and the median of LOADS calls of fmi2Instantiate. */
+ * Prints ns: median, p99.9 and maximum of STEPS steps of one size with the clock's own cost in them, that
+ * cost, the median of a step whose size was never seen, and the median of LOADS calls of fmi2Instantiate. */
 #include "host.h"
 
 #include <math.h>
 
-#define H 1e-3      /* s */
-#define NEW 2000    /* steps of new sizes */
+#define H 1e-3   /* s */
+#define NEW 2000 /* steps of new sizes */
 
 int main(int count, char **given)
 {

@@ -1,8 +1,10 @@
-/* Fuzz target of the sequence of calls: whatever a host calls, in any order and with any arguments, nothing crashes
- * or leaks, a refused call leaves the serialised state as it was, and a step replayed gives the same bits.
+/* Fuzz target of the sequence of calls: whatever a host calls, in any order and with any arguments, nothing
+ * crashes or leaks, a refused call leaves the serialised state as it was, and a step replayed gives the same
+ * bits.
  *
- * An input is a byte for the allocation that fails (255: none), then calls: a byte for the instance, a byte for
- * the call, and its arguments. Where the input ends, bytes are 0. The model is that of embedded_model.c. */
+ * An input is a byte for the allocation that fails (255: none), then calls: a byte for the instance, a byte
+ * for the call, and its arguments. Where the input ends, bytes are 0. The model is that of embedded_model.c.
+ */
 #include "modalfmu.c"
 
 #include "counting_memory.h"
@@ -25,7 +27,8 @@ static void check_message(fmi2ComponentEnvironment environment, fmi2String name,
     must(name && status <= fmi2Error && category_bit(category) && length > 0 && !strchr(text, '\n'));
 }
 
-/* The serialised state, whatever the host's memory; but for `last_step`, which tells of the refused step itself. */
+/* The serialised state, whatever the host's memory; but for `last_step`, which tells of the refused step
+ * itself. */
 static size_t state_of(Component *c, unsigned char *bytes)
 {
     motion(c->instance, 0); /* a static start is settled when it is looked at */
@@ -45,7 +48,8 @@ static size_t state_of(Component *c, unsigned char *bytes)
 static fmi2Component new_component(Input *input)
 {
     static const fmi2CallbackFunctions without = {NULL, NULL, NULL, NULL, NULL};
-    fmi2CallbackFunctions callbacks = {check_message, counting_memory.allocate, counting_memory.release, NULL, NULL};
+    fmi2CallbackFunctions callbacks = {check_message, counting_memory.allocate, counting_memory.release, NULL,
+                                       NULL};
     unsigned int kind = byte(input);
     if (kind & 4)
         callbacks.freeMemory = kind & 8 ? NULL : callbacks.freeMemory;
@@ -55,7 +59,8 @@ static fmi2Component new_component(Input *input)
     return fmi2Instantiate(kind & 2 && kind & 128 ? "" : "one", type, guid, NULL, given, fmi2False, kind & 1);
 }
 
-/* A step; one that is made ends later than it began, and gives the same bits once more from the same state. */
+/* A step; one that is made ends later than it began, and gives the same bits once more from the same state.
+ */
 static fmi2Status step_call(fmi2Component component, Input *input)
 {
     Component *c = component;
@@ -70,9 +75,11 @@ static fmi2Status step_call(fmi2Component component, Input *input)
     size_t size = state_of(c, once);
     const Instance *x = c->instance;
     must(x->time == t + h && x->time >= t && h > 0.0);
-    must(!x->rates_given && x->kept[x->newest[0]].h == h); /* its own coefficients; derivatives hold for one step */
+    must(!x->rates_given &&
+         x->kept[x->newest[0]].h == h); /* its own coefficients; derivatives hold for one step */
     for (size_t i = 0; i < x->n; i++)
-        must(isfinite(x->motion[0][i]) && isfinite(x->motion[1][i]) && (i < x->active || x->motion[0][i] == 0.0));
+        must(isfinite(x->motion[0][i]) && isfinite(x->motion[1][i]) &&
+             (i < x->active || x->motion[0][i] == 0.0));
     must(fmi2SetFMUstate(c, before) == fmi2OK);
     must(fmi2DoStep(c, t, h, fmi2True) == fmi2OK);
     state_of(c, again);

@@ -30,7 +30,7 @@ static inline unsigned int byte(Input *input)
 /* Numbers that a host may well give, numbers that it should not, or any eight bytes. */
 static inline double real(Input *input)
 {
-    static const double known[] = {1e-3,     0.1, 1.0,   -1.0,  0.0,   -0.0,   1e-9,  1e3,
+    static const double known[] = {1e-3,     0.1, 1.0,   -1.0,   0.0,    -0.0,   1e-9,  1e3,
                                    INFINITY, NAN, 1e300, -1e300, 5e-324, 1e-300, 1e150, -INFINITY};
     unsigned int chosen = byte(input);
     if (chosen < 240)

@@ -19,8 +19,8 @@
 #define MEND_CHECKSUMS 1 /* so that damaged files get past them */
 #define FAIL_ALLOCATION 2
 
-static const char *const names[FILES] = {"guid.txt",         "model/model.json", "model/model.sha256",
-                                         "model/lam.npy",    "model/D_rest.npy", "model/B.npy",
+static const char *const names[FILES] = {"guid.txt",      "model/model.json", "model/model.sha256",
+                                         "model/lam.npy", "model/D_rest.npy", "model/B.npy",
                                          "model/C.npy"};
 
 static void must(bool truth)

@@ -14,11 +14,11 @@
 #include <string.h>
 
 /* The address of a function as the pointer of its own type, which C's conversions cannot give. */
-#define TAKE(member, name)                                                                                       \
-    do {                                                                                                         \
-        void *address = (void *)FIND(library, name);                                                             \
-        memcpy(&fmu.member, &address, sizeof address);                                                           \
-        missing += address == NULL;                                                                              \
+#define TAKE(member, name)                                                                                   \
+    do {                                                                                                     \
+        void *address = (void *)FIND(library, name);                                                         \
+        memcpy(&fmu.member, &address, sizeof address);                                                       \
+        missing += address == NULL;                                                                          \
     } while (0)
 
 int main(int count, char **given)

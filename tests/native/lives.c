@@ -1,7 +1,9 @@
-/* lives GUID LOCATION MODES INPUTS OUTPUTS COUNT THREADS: so many random lives of instances, one after the other
- * in each thread. Wrong calls, damaged states and failing memory among the right ones: all follow from its number.
+/* lives GUID LOCATION MODES INPUTS OUTPUTS COUNT THREADS: so many random lives of instances, one after the
+ * other in each thread. Wrong calls, damaged states and failing memory among the right ones: all follow from
+ * its number.
  *
- * Prints a sum of all that was seen, the same for any number of threads; fails where memory is not given back. */
+ * Prints a sum of all that was seen, the same for any number of threads; fails where memory is not given
+ * back. */
 #include "fmi2Functions.h"
 
 #include <pthread.h>
@@ -208,7 +210,8 @@ static void live(Work *work, unsigned int seed)
                  .random = seed * UINT64_C(2654435761) + 1};
     allowed = any(&life, 8) ? ~0ul : any(&life, 30);
     const char *guid = any(&life, 16) ? work->guid : "another";
-    life.c = fmi2Instantiate("life", life.type, guid, work->location, &callbacks, fmi2False, any(&life, 2) != 0);
+    life.c =
+        fmi2Instantiate("life", life.type, guid, work->location, &callbacks, fmi2False, any(&life, 2) != 0);
     if (!life.c) {
         work->failed++;
         return;
@@ -292,7 +295,8 @@ int main(int count, char **given)
         failed += all[k].failed;
     }
     free(all);
-    printf("%u lives, %lu without an instance, %lu calls, %lu messages of refusal, %ld blocks left, seen %016llx\n",
+    printf("%u lives, %lu without an instance, %lu calls, %lu messages of refusal, %ld blocks left, seen "
+           "%016llx\n",
            lives / threads * threads, failed, calls, refusals, (long)blocks, (unsigned long long)seen);
     return blocks == 0 ? 0 : 6;
 }

@@ -33,7 +33,8 @@ static void print_message(fmi2ComponentEnvironment environment, fmi2String name,
     va_end(arguments);
 }
 
-/* Steps of four sizes in turn; after each a line with all Reals. Gives 0, or the line of the call that failed. */
+/* Steps of four sizes in turn; after each a line with all Reals. Gives 0, or the line of the call that
+ * failed. */
 static int run(const Functions *fmu, const char *guid, const char *location, unsigned int inputs,
                unsigned int reals, int steps)
 {
@@ -46,7 +47,8 @@ static int run(const Functions *fmu, const char *guid, const char *location, uns
         return __LINE__;
     for (unsigned int i = 0; i < reals; i++)
         references[i] = i;
-    fmi2Component c = fmu->instantiate("one", fmi2CoSimulation, guid, location, &callbacks, fmi2False, fmi2True);
+    fmi2Component c =
+        fmu->instantiate("one", fmi2CoSimulation, guid, location, &callbacks, fmi2False, fmi2True);
     if (!c)
         return __LINE__;
     if (fmu->setup(c, fmi2False, 0.0, time, fmi2False, 0.0) != fmi2OK || fmu->enter(c) != fmi2OK ||

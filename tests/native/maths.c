@@ -1,4 +1,5 @@
-/* The maths of the twin for ctypes: coefficients, the kernels of every set of instructions, steps of an instance. */
+/* The maths of the twin for ctypes: coefficients, the kernels of every set of instructions, steps of an
+ * instance. */
 #define MODALFMU_SINGLE_FILE /* as in an FMU: what is not asked for below stays private */
 #include "common.c"
 #include "propagator.c"
@@ -56,8 +57,8 @@ static void record(Instance *x, double *motions, double *outputs)
     }
 }
 
-/* The steps one after the other; motions: (1 + steps, 5, r) q, q' ... q'''', outputs: (1 + steps, p), the first
- * ones before any step, with the inputs of the first step. Gives the number of steps made. */
+/* The steps one after the other; motions: (1 + steps, 5, r) q, q' ... q'''', outputs: (1 + steps, p), the
+ * first ones before any step, with the inputs of the first step. Gives the number of steps made. */
 size_t run_steps(const Run *run, double *motions, double *outputs)
 {
     static const char *const names[] = {"a", "b", "c", "d", "e", "f", "g", "h"}; /* of up to 8 inputs */
@@ -65,8 +66,9 @@ size_t run_steps(const Run *run, double *motions, double *outputs)
     const Memory memory = {calloc, free};
     for (size_t row = 0; row < run->p; row++)
         kinds[row] = (OutputKind)run->kinds[row];
-    const ReducedModel model = {"run",      run->r, run->m, run->p, run->lam, run->alpha, run->beta,
-                                run->D_rest, run->B, run->C, names, names, kinds, run->initial_static != 0};
+    const ReducedModel model = {
+        "run",       run->r, run->m, run->p, run->lam, run->alpha, run->beta,
+        run->D_rest, run->B, run->C, names,  names,    kinds,      run->initial_static != 0};
     Instance *x = new_instance(&model, &memory);
     Reason reason;
     size_t made = 0;
