@@ -146,3 +146,17 @@ def test_too_little_room_for_a_serialised_state() -> None:
     x.must("FreeFMUstate", ctypes.byref(state))
     x.must("FreeFMUstate", ctypes.byref(state))  # NULL by now: ignored
     x.free()
+
+
+def test_a_status_that_is_none() -> None:
+    """What a refused step changes is the status of the last step: fmi2OK … fmi2Error are 0 … 3."""
+    x = instance_in(CO_SIMULATION, "step")
+    before = x.save()
+    assert x.step(0.0, -1.0) == ERROR
+    after = bytearray(x.save())
+    (place,) = (k for k in range(0, len(after), 8) if after[k : k + 8] != before[k : k + 8])
+    assert after[place] == ERROR
+    assert x.restore(bytes(after)) == OK
+    after[place] = ERROR + 1
+    assert x.restore(bytes(after)) == ERROR
+    x.free()

@@ -76,7 +76,7 @@ def test_what_is_next_to_nothing_becomes_nothing(kernels: Kernels, held: bool) -
     """Neither a subnormal number nor one that soon would be; larger ones and not-a-number are left alone."""
     rows = aligned(np.zeros((7, LANES)))
     rows[0] = rows[3] = 1.0  # E11, E22
-    motion = np.array([5e-324, -5e-324, 9e-281, -9e-281, 1.1e-280, -1.1e-280, np.nan, 1.0])
+    motion = np.array([5e-324, -5e-324, 9e-141, -9e-141, 1.1e-140, -1.1e-140, np.nan, 1.0])
     q, v, *forces = given_rows = aligned(np.vstack([motion, -motion, np.zeros((3, LANES))]))
     after = aligned(np.full((2, LANES), np.nan))
     P = CPropagator(0.1, *(pointer(row) for row in rows))

@@ -102,15 +102,27 @@ def test_a_step_to_a_time_beyond_the_numbers() -> None:
 
 
 def test_inputs_extrapolated_beyond_the_numbers() -> None:
-    """Nothing moves, but the input itself leaves the range: the state that is left is a legal one."""
+    """Nothing moves, but an input or its rate would leave the range: the step is not made."""
     x = native_fmu(two_ports).instance().initialise()
     assert x.set_active(0) == OK
-    assert x.set_rates([0, 0], [1, 2], [1e300, 1e300]) == OK
-    status = x.step(0.0, 1e20)
-    assert status in (OK, DISCARD)
-    assert x.restore(x.save()) == OK
-    assert x.set({"left.force.x": 0.0}) == OK
-    assert x.step(1e20 if status == OK else 0.0, 1e6) == OK
+    start = x.save()
+    for order in (1, 2):
+        assert x.set_rates([0], [order], [1e300]) == OK
+        assert x.step(0.0, 1e20) == DISCARD
+        assert x.get("left.force.x") == [0.0]
+        assert x.step(0.0, 1e-3) == OK
+        assert x.restore(start) == OK
+    x.free()
+
+
+def test_the_last_step_may_round() -> None:
+    """Within 1e-9 of stopTime, as of where a step starts."""
+    x = native_fmu(two_ports).instance()
+    x.must("SetupExperiment", 0, 0.0, 0.0, 1, 1e4)
+    x.must("EnterInitializationMode")
+    x.must("ExitInitializationMode")
+    assert x.step(0.0, 1e4 * (1 + 2e-9)) == ERROR
+    assert x.step(0.0, 1e4 * (1 + 5e-10)) == OK
     x.free()
 
 

@@ -144,7 +144,7 @@ def test_a_user_without_a_home(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     monkeypatch.setattr(native_library, "PACKAGED", tmp_path / "packaged")
     assert native_libraries() == {HOST: packaged}
     monkeypatch.setattr(native_library, "PACKAGED", tmp_path / "nothing")
-    with pytest.raises(ToolchainError, match="set (XDG_CACHE_HOME|LOCALAPPDATA)"):
+    with pytest.raises(ToolchainError, match=r"set (XDG_CACHE_HOME|LOCALAPPDATA)"):
         native_libraries()
 
 

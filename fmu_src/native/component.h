@@ -85,7 +85,7 @@ typedef struct {
     Mode mode;
     unsigned int logged; /* categories */
     bool stop_defined;
-    double start, stop;
+    double stop;
     fmi2Status last_step; /* what the last fmi2DoStep returned */
     bool states_jumped;   /* modes were switched off since fmi2NewDiscreteStates */
     char *name;

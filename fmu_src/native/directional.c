@@ -1,6 +1,5 @@
 #include "directional.h"
 
-#include <math.h>
 #include <string.h>
 
 static bool static_start(const Instance *x)
@@ -70,8 +69,8 @@ double directional_derivative(const Instance *x, Group group, size_t place)
     double value = 0.0;
     if (group == OUTPUT)
         x->kernels->outputs(&rows, 0, &row, 0, 1, &value);
-    else if (group == DAMPING_RATIO && x->lam[place] > 0.0)
-        value = (x->seed_alpha + x->lam[place] * x->seed_beta) / (2.0 * sqrt(x->lam[place]));
+    else if (group == DAMPING_RATIO)
+        value = damping_ratio(x->lam[place], x->seed_alpha + x->lam[place] * x->seed_beta);
     else if (group == AMPLITUDE || group == AMPLITUDE_RATE || group == VELOCITY_RATE)
         value = x->seed[group == AMPLITUDE ? 0 : group == AMPLITUDE_RATE ? 1 : 2][place];
     return value;

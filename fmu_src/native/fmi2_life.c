@@ -147,7 +147,6 @@ fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean toleranceDef
                startTime, stopTimeDefined ? stopTime : INFINITY);
         return refused(c, CALL_SetupExperiment, fmi2Error, &reason);
     }
-    c->start = startTime;
     c->stop = stopTime;
     c->stop_defined = stopTimeDefined != fmi2False;
     c->instance->time = startTime;
@@ -192,7 +191,7 @@ fmi2Status fmi2Reset(fmi2Component component)
     reset_instance(c->instance);
     c->mode = INSTANTIATED;
     c->stop_defined = c->states_jumped = false;
-    c->start = c->stop = 0.0;
+    c->stop = 0.0;
     c->last_step = fmi2OK;
     return fmi2OK;
 }

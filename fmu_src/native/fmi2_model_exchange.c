@@ -118,6 +118,12 @@ fmi2Status fmi2GetDerivatives(fmi2Component component, fmi2Real derivatives[], s
         return refused(c, CALL_GetDerivatives, fmi2Discard, &reason);
     size_t r = c->source.model->r;
     double *const *q = motion(c->instance, 2);
+    for (size_t i = 0; i < r; i++)
+        if (!isfinite(q[2][i])) {
+            refuse(&reason, "the derivative of modes.velocity[%zu] is %g: try a smaller step", i + 1,
+                   q[2][i]);
+            return refused(c, CALL_GetDerivatives, fmi2Discard, &reason);
+        }
     for (size_t i = 0; i < r; i++) {
         derivatives[i] = q[1][i];
         derivatives[r + i] = q[2][i];

@@ -11,18 +11,12 @@ typedef struct {
     char guid[GUID_SIZE]; /* of the FMU: other FMUs have other states */
     uint64_t size;        /* of all */
     uint64_t type, mode, stop_defined, states_jumped, last_step;
-    double start, stop;
+    double stop;
 } StateHead;
 
 static size_t state_size(const Component *c)
 {
     return sizeof(StateHead) + saved_size(c->instance);
-}
-
-/* Memory for a state, that of an earlier one where there is one. */
-static unsigned char *state_memory(const Component *c, fmi2FMUstate earlier)
-{
-    return earlier ? earlier : c->memory.allocate(1, state_size(c));
 }
 
 static fmi2Status no_state(const Component *c, Call call, const char *what)
@@ -45,22 +39,35 @@ static bool read_head(const Component *c, const unsigned char *bytes, size_t siz
     return true;
 }
 
+/* Memory for a state, that of an earlier one where there is one; NULL with a reason. */
+static unsigned char *state_memory(const Component *c, const fmi2FMUstate *FMUstate, Reason *reason)
+{
+    StateHead head;
+    if (*FMUstate)
+        return read_head(c, *FMUstate, state_size(c), &head, reason) ? *FMUstate : NULL;
+    unsigned char *bytes = c->memory.allocate(1, state_size(c));
+    if (!bytes)
+        refuse(reason, "the host's allocateMemory gave no memory");
+    return bytes;
+}
+
 fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *FMUstate)
 {
     Component *c = legal(component, CALL_GetFMUstate);
     if (!c)
         return fmi2Error;
-    unsigned char *bytes = FMUstate ? state_memory(c, *FMUstate) : NULL;
+    if (!FMUstate)
+        return no_state(c, CALL_GetFMUstate, "got a NULL pointer");
+    Reason reason;
+    unsigned char *bytes = state_memory(c, FMUstate, &reason);
     if (!bytes)
-        return no_state(c, CALL_GetFMUstate,
-                        FMUstate ? "the host's allocateMemory gave no memory" : "got a NULL pointer");
+        return refused(c, CALL_GetFMUstate, fmi2Error, &reason);
     StateHead head = {.size = state_size(c),
                       .type = (uint64_t)c->type,
                       .mode = (uint64_t)c->mode,
                       .stop_defined = c->stop_defined,
                       .states_jumped = c->states_jumped,
                       .last_step = (uint64_t)c->last_step,
-                      .start = c->start,
                       .stop = c->stop};
     memcpy(head.guid, c->source.guid, GUID_SIZE);
     memcpy(bytes, &head, sizeof head);
@@ -76,8 +83,7 @@ static bool consistent(const StateHead *head)
     uint64_t possible = INSTANTIATED | INITIALIZATION_MODE | TERMINATED | running;
     bool one_mode = head->mode != 0 && (head->mode & (head->mode - 1)) == 0;
     return one_mode && (head->mode & possible) && head->stop_defined <= 1 && head->states_jumped <= 1 &&
-           head->last_step <= fmi2Error && isfinite(head->start) &&
-           !(head->stop_defined && isnan(head->stop));
+           head->last_step <= fmi2Error && !(head->stop_defined && isnan(head->stop));
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate FMUstate)
@@ -101,7 +107,6 @@ fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate FMUstate)
     c->stop_defined = head.stop_defined == 1;
     c->states_jumped = head.states_jumped == 1;
     c->last_step = (fmi2Status)head.last_step;
-    c->start = head.start;
     c->stop = head.stop;
     return fmi2OK;
 }
@@ -125,6 +130,10 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate FMUs
         return fmi2Error;
     if (!FMUstate || !size)
         return no_state(c, CALL_SerializedFMUstateSize, "got a NULL pointer");
+    StateHead head;
+    Reason reason;
+    if (!read_head(c, FMUstate, state_size(c), &head, &reason))
+        return refused(c, CALL_SerializedFMUstateSize, fmi2Error, &reason);
     *size = state_size(c);
     return fmi2OK;
 }
@@ -137,6 +146,10 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate FMUstate,
         return fmi2Error;
     if (!FMUstate || !serializedState)
         return no_state(c, CALL_SerializeFMUstate, "got a NULL pointer");
+    StateHead head;
+    Reason reason;
+    if (!read_head(c, FMUstate, state_size(c), &head, &reason))
+        return refused(c, CALL_SerializeFMUstate, fmi2Error, &reason);
     if (size < state_size(c))
         return no_state(c, CALL_SerializeFMUstate, "got fewer bytes than fmi2SerializedFMUstateSize says");
     memcpy(serializedState, FMUstate, state_size(c));
@@ -155,9 +168,9 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte seria
     Reason reason;
     if (!read_head(c, (const unsigned char *)serializedState, size, &head, &reason))
         return refused(c, CALL_DeSerializeFMUstate, fmi2Error, &reason);
-    unsigned char *bytes = state_memory(c, *FMUstate);
+    unsigned char *bytes = state_memory(c, FMUstate, &reason);
     if (!bytes)
-        return no_state(c, CALL_DeSerializeFMUstate, "the host's allocateMemory gave no memory");
+        return refused(c, CALL_DeSerializeFMUstate, fmi2Error, &reason);
     memcpy(bytes, serializedState, size);
     *FMUstate = bytes;
     return fmi2OK;

@@ -72,8 +72,7 @@ fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], s
         !references_exist(vr, nvr, x->layout.start[NO_VARIABLE], &reason))
         return refused(c, CALL_SetReal, fmi2Error, &reason);
     for (size_t k = 0; k < nvr; k++)
-        if (vr[k] >= x->model->m &&
-            !can_set(c, group_of(&x->layout, vr[k], &place), vr[k], value[k], &reason))
+        if (!can_set(c, group_of(&x->layout, vr[k], &place), vr[k], value[k], &reason))
             return refused(c, CALL_SetReal, fmi2Error, &reason);
     double alpha = x->alpha, beta = x->beta;
     for (size_t k = 0; k < nvr; k++)
@@ -138,7 +137,8 @@ fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference vr[]
         }
     if (nvr > 0) {
         size_t active = (size_t)value[nvr - 1];
-        c->states_jumped |= moves_beyond(c->instance, active);
+        if (c->mode == EVENT_MODE)
+            c->states_jumped |= moves_beyond(c->instance, active);
         set_active(c->instance, active);
     }
     return fmi2OK;

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #define ALIGNMENT 64     /* bytes of the widest register */
-#define MODAL_VECTORS 16 /* what place_vectors hands out */
+#define MODAL_VECTORS 15 /* what place_vectors hands out */
 #define INPUT_VECTORS 4
 #define COEFFICIENTS 7
 
@@ -38,10 +38,10 @@ static double *take(double **rest, size_t count)
 static void place_vectors(Instance *x, double *rest)
 {
     size_t n = x->n, m = x->model->m, p = x->model->p;
-    double **modal[MODAL_VECTORS] = {&x->lam,       &x->D_rest,    &x->d,         &x->f[0],
-                                     &x->f[1],      &x->f[2],      &x->motion[0], &x->motion[1],
-                                     &x->motion[2], &x->motion[3], &x->motion[4], &x->next[0],
-                                     &x->next[1],   &x->seed[0],   &x->seed[1],   &x->seed[2]};
+    double **modal[MODAL_VECTORS] = {&x->lam,       &x->d,         &x->f[0],      &x->f[1],
+                                     &x->f[2],      &x->motion[0], &x->motion[1], &x->motion[2],
+                                     &x->motion[3], &x->motion[4], &x->next[0],   &x->next[1],
+                                     &x->seed[0],   &x->seed[1],   &x->seed[2]};
     double **of_inputs[INPUT_VECTORS] = {&x->u[0], &x->u[1], &x->u[2], &x->seed_u};
     for (size_t k = 0; k < MODAL_VECTORS; k++)
         *modal[k] = take(&rest, n);
@@ -64,7 +64,6 @@ static void copy_model(Instance *x)
     size_t r = model->r, m = model->m, p = model->p;
     for (size_t i = 0; i < r; i++) {
         x->lam[i] = model->lam[i];
-        x->D_rest[i] = model->D_rest[i * r + i];
         for (size_t j = 0; j < m; j++)
             x->B[j * x->n + i] = model->B[i * m + j];
     }
@@ -121,9 +120,17 @@ void set_damping(Instance *x, double alpha, double beta)
     x->alpha = alpha;
     x->beta = beta;
     for (size_t i = 0; i < x->model->r; i++)
-        x->d[i] = alpha + beta * x->lam[i] + x->D_rest[i];
+        x->d[i] = damping(x->model, i, alpha, beta);
     x->kept_count = 0;
     x->motions_known = 2;
+}
+
+/* Modes that are off share a register with the last ones that are on: their coefficients are 0. */
+static void switch_off(const Instance *x, const Propagator *P)
+{
+    double *const coefficients[COEFFICIENTS] = {P->E11, P->E12, P->E21, P->E22, P->G0, P->G1, P->G2};
+    for (size_t k = 0; k < COEFFICIENTS; k++)
+        memset(coefficients[k] + x->active, 0, (x->n_active - x->active) * sizeof(double));
 }
 
 void set_active(Instance *x, size_t active)
@@ -133,8 +140,12 @@ void set_active(Instance *x, size_t active)
         memset(x->motion[order] + active, 0, off);
     memset(x->next[0] + active, 0, off);
     memset(x->next[1] + active, 0, off);
+    if (active > x->active) /* the kept coefficients are those of fewer modes */
+        x->kept_count = 0;
     x->active = active;
     x->n_active = padded(active);
+    for (size_t k = 0; k < x->kept_count; k++)
+        switch_off(x, &x->kept[k]);
     x->forces_known = 0;
     x->motions_known = 2;
     x->settled = false;
@@ -201,7 +212,8 @@ static const Propagator *kept_propagator(Instance *x, double h)
             x->newest[x->kept_count++] = (unsigned char)age;
         else
             age--;
-        propagator(&x->kept[x->newest[age]], x->lam, x->d, x->model->r, h);
+        propagator(&x->kept[x->newest[age]], x->lam, x->d, x->active, h);
+        switch_off(x, &x->kept[x->newest[age]]);
     }
     unsigned char place = x->newest[age];
     for (; age > 0; age--)
@@ -234,12 +246,31 @@ static bool step_is_legal(const Instance *x, double time, double h, Reason *reas
     return inputs_are_finite(x, reason);
 }
 
-/* u(t+h) = u + u' h + u'' h2/2, and the rates at the end of the step, which hold no further. */
+/* u(t+h) = u + u' h + u'' h2/2 of one input, and its rate there. */
+static double extrapolated(const Instance *x, size_t j, double h)
+{
+    return x->u[0][j] + h * (x->u[1][j] + 0.5 * h * x->u[2][j]);
+}
+
+static double extrapolated_rate(const Instance *x, size_t j, double h)
+{
+    return x->u[1][j] + h * x->u[2][j];
+}
+
+static bool extrapolation_is_finite(const Instance *x, double h)
+{
+    for (size_t j = 0; j < x->model->m; j++)
+        if (!isfinite(extrapolated(x, j, h)) || !isfinite(extrapolated_rate(x, j, h)))
+            return false;
+    return true;
+}
+
+/* The inputs and rates at the end of the step; the rates hold no further. */
 static void extrapolate_inputs(Instance *x, double h)
 {
     for (size_t j = 0; j < x->model->m; j++) {
-        x->u[0][j] += h * (x->u[1][j] + 0.5 * h * x->u[2][j]);
-        x->u[1][j] += h * x->u[2][j];
+        x->u[0][j] = extrapolated(x, j, h);
+        x->u[1][j] = extrapolated_rate(x, j, h);
     }
     x->forces_known = 0;
     x->rates_given = false;
@@ -259,7 +290,7 @@ StepResult advance_instance(Instance *x, double time, double h, Reason *reason)
     } else {
         size = x->kernels->step_held(P, q, v, modal_force(x, 0), x->next[0], x->next[1], x->n_active);
     }
-    if (!isfinite(size) || !isfinite(time + h)) {
+    if (!isfinite(size) || !isfinite(time + h) || (x->rates_given && !extrapolation_is_finite(x, h))) {
         refuse(reason, "the motion over communicationStepSize = %g is beyond the range of numbers", h);
         return STEP_BEYOND_RANGE;
     }

@@ -1,7 +1,7 @@
 /* One instance of the FMU: its inputs, parameters and modal state, and what follows from them.
  *
- * No FMI here; the formulas are those of propagator.h, kernels.h and motion.h. Nothing is shared between
- * instances but the model, which is never written to: each may be used from a thread of its own. */
+ * No FMI here; the formulas are those of propagator.h, kernels.h and motion.h. Instances share nothing that
+ * is written to: each may be used from a thread of its own. */
 #ifndef MODALFMU_INSTANCE_H
 #define MODALFMU_INSTANCE_H
 
@@ -13,17 +13,17 @@
     1e-9        /* relative to max(1, |t|): a step that starts this near to the last one's end starts there */
 #define RATES 2 /* orders of the input derivatives and of the output derivatives */
 
-/* All vectors of modes have n entries, r of them used; those behind `active` are 0. */
+/* All vectors of modes have n entries, r of them used; those of the motion behind `active` are 0. */
 typedef struct {
     const ReducedModel *model;
     Layout layout;
     const Kernels *kernels;
     size_t n;
-    double *lam, *D_rest, *d; /* lambda, the diagonal of D_rest, d = alpha + beta lambda + D_rest */
-    double *B, *C;            /* the columns of B, the rows of C */
-    OutputKind highest_kind;  /* of the outputs */
-    bool initialising;        /* until fmi2ExitInitializationMode */
-    bool settled;             /* a static start is in equilibrium with the present inputs */
+    double *lam, *d;         /* lambda; d for the present alpha, beta */
+    double *B, *C;           /* the columns of B, the rows of C */
+    OutputKind highest_kind; /* of the outputs */
+    bool initialising;       /* until fmi2ExitInitializationMode */
+    bool settled;            /* a static start is in equilibrium with the present inputs */
     double time, alpha, beta;
     size_t active, n_active;   /* modes that move; the same rounded up to whole registers */
     double *u[1 + RATES];      /* the inputs and their rates, (m) each */
@@ -43,7 +43,7 @@ typedef struct {
     bool step_size_was_new; /* in the last step; the coefficients were computed */
 } Instance;
 
-/* How a step ended. Where it is not made, nothing has changed. */
+/* How a step ended. Where it is not made, inputs, parameters, time and state are as they were. */
 typedef enum { STEP_MADE, STEP_ILLEGAL, STEP_BEYOND_RANGE } StepResult;
 
 /* An instance at its start values, or NULL where there is no memory. The model must outlive it. */

@@ -1,14 +1,18 @@
 #include "kernels.h"
 
+#if defined(__GNUC__) && defined(__x86_64__)
+#include <cpuid.h>
+#endif
+
 #if defined(__GNUC__)
 #define INLINE static inline __attribute__((always_inline))
 #else
 #define INLINE static inline
 #endif
 
-/* A decaying mode ends at 0: not in subnormal numbers, on which many processors are a hundred times slower.
- */
-#define TINY 1e-280
+/* A decaying mode ends at 0: neither it nor its square in |q1|2 + |v1|2 becomes a subnormal number, on
+ * which many processors are a hundred times slower. */
+#define TINY 1e-140
 
 INLINE double flushed(double x)
 {
@@ -51,15 +55,16 @@ INLINE double step_held_body(const Propagator *P, const double *restrict q, cons
 INLINE double step_body(const Propagator *P, const double *restrict q, const double *restrict v,
                         double *const f[3], double *restrict q1, double *restrict v1, size_t n)
 {
+    const double *restrict E11 = P->E11, *restrict E12 = P->E12, *restrict E21 = P->E21,
+                           *restrict E22 = P->E22;
+    const double *restrict G0 = P->G0, *restrict G1 = P->G1, *restrict G2 = P->G2;
     const double *restrict f0 = f[0], *restrict f1 = f[1], *restrict f2 = f[2];
     double sum[LANES] = {0};
     for (size_t i = 0; i < n; i += LANES)
         for (size_t k = 0; k < LANES; k++) {
             size_t j = i + k;
-            double driven_q = P->G0[j] * f0[j] + P->G1[j] * f1[j] + P->G2[j] * f2[j];
-            double driven_v = P->E12[j] * f0[j] + P->G0[j] * f1[j] + P->G1[j] * f2[j];
-            q1[j] = flushed(P->E11[j] * q[j] + P->E12[j] * v[j] + driven_q);
-            v1[j] = flushed(P->E21[j] * q[j] + P->E22[j] * v[j] + driven_v);
+            q1[j] = flushed(E11[j] * q[j] + E12[j] * v[j] + G0[j] * f0[j] + G1[j] * f1[j] + G2[j] * f2[j]);
+            v1[j] = flushed(E21[j] * q[j] + E22[j] * v[j] + E12[j] * f0[j] + G0[j] * f1[j] + G1[j] * f2[j]);
             sum[k] += q1[j] * q1[j] + v1[j] * v1[j];
         }
     return total(sum);
@@ -107,8 +112,6 @@ INLINE void outputs_body(const Outputs *rows, size_t order, const unsigned int *
 KERNELS(baseline, )
 
 #if defined(__GNUC__) && defined(__x86_64__)
-
-#include <cpuid.h>
 
 KERNELS(avx2, __attribute__((target("avx2,fma"))))
 KERNELS(avx512, __attribute__((target("avx512f,avx2,fma"))))

@@ -5,6 +5,7 @@
 #define MODALFMU_SINGLE_FILE
 
 #include "common.c"
+#include "model.c"
 #include "propagator.c"
 #include "kernels.c"
 #include "variables.c"

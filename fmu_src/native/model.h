@@ -28,4 +28,10 @@ typedef struct {
     bool initial_static; /* start in equilibrium with the start values of the inputs */
 } ReducedModel;
 
+/* d = alpha + beta lam + D_rest of a mode, 1/s [2.28]. */
+INTERNAL double damping(const ReducedModel *model, size_t mode, double alpha, double beta);
+
+/* zeta = d/(2 omega), and 0 for a rigid mode, which has none. */
+INTERNAL double damping_ratio(double lam, double d);
+
 #endif

@@ -20,7 +20,7 @@ const double *modal_force(Instance *x, size_t order)
 }
 
 /* A static start follows the inputs until initialisation ends: q = f/lam [2.35, 2.36]. */
-static void settle(Instance *x)
+static void static_solution(Instance *x)
 {
     const double *f = modal_force(x, 0);
     for (size_t i = 0; i < x->active; i++)
@@ -31,7 +31,7 @@ static void settle(Instance *x)
 double *const *motion(Instance *x, size_t order)
 {
     if (x->initialising && x->model->initial_static && !x->settled)
-        settle(x);
+        static_solution(x);
     for (; x->motions_known <= order; x->motions_known++) {
         size_t k = x->motions_known;
         const double *f = modal_force(x, k - 2), *q = x->motion[k - 2], *v = x->motion[k - 1];
@@ -45,11 +45,8 @@ double *const *motion(Instance *x, size_t order)
 static size_t run_of_outputs(const Instance *x, const unsigned int *references, size_t count)
 {
     const unsigned int first = (unsigned int)x->layout.start[OUTPUT], p = (unsigned int)x->model->p;
-    bool others = false; /* a reference below `first` wraps round to beyond p */
-    for (size_t k = 0; k < count; k++)
-        others |= references[k] - first >= p;
-    size_t run = others ? 0 : count; /* most often all are, and that is found out several at a time */
-    while (others && references[run] - first < p)
+    size_t run = 0;
+    while (run < count && references[run] - first < p) /* one below `first` wraps round to beyond p */
         run++;
     return run;
 }
@@ -80,7 +77,7 @@ static double other_value(Instance *x, Group group, size_t place)
     case FREQUENCY:
         return sqrt(x->lam[place]) / TWO_PI;
     case DAMPING_RATIO:
-        return x->lam[place] > 0.0 ? x->d[place] / (2.0 * sqrt(x->lam[place])) : 0.0;
+        return damping_ratio(x->lam[place], x->d[place]);
     case AMPLITUDE:
         return motion(x, 0)[0][place];
     case MODAL_VELOCITY:

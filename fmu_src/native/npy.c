@@ -36,7 +36,9 @@ double *unpack_npy(const Bytes *content, int dimensions, const size_t shape[2])
         uint64_t bits = 0;
         for (int k = 7; k >= 0; k--) /* little-endian, whatever the host is */
             bits = bits << 8 | from[k];
-        memcpy(values + i, &bits, sizeof bits);
+        double value;
+        memcpy(&value, &bits, sizeof value);
+        values[i] = value;
     }
     return values;
 }

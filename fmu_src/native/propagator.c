@@ -21,7 +21,7 @@ static Differences small_roots(double lam, double d, double h)
     double delta = d * h, Lam = lam * h * h;
     double before = 0.0, sym = 1.0, factorial = 1.0; /* (k+1)! */
     Differences x = {0};
-    for (int k = 0; k < TERMS; k++) {
+    for (int k = 0; k < TERMS && fabs(sym) + fabs(before) > 1e-17 * factorial; k++) {
         double term = sym / factorial;
         x.e += term;
         x.g0 += term / (k + 2);

@@ -18,11 +18,10 @@ typedef struct {
  * lam >= 0 in 1/s2, d >= 0 in 1/s, h > 0 in s. With r1, r2 the roots of r2 + d r + lam = 0, x = r h, every
  * coefficient is a divided difference of exp (Higham, Functions of Matrices, 2008, B.16):
  *
- *     E12 = h exp[x1, x2],  G0 = h2 exp[x1, x2, 0],  G1 = h3 exp[x1, x2, 0, 0],  G2 = h4 exp[x1, x2, 0, 0,
- * 0],
+ *     E12 = h exp[x1, x2],  Gk = h^(k+2) exp[x1, x2, 0^(k+1)],
  *
- * evaluated so that no case and no limit between cases cancels; not-a-number where a value is beyond the
- * range. */
+ * evaluated so that no case and no limit between cases cancels; not finite where a value is beyond
+ * the range of numbers. */
 INTERNAL void propagator(Propagator *P, const double *lam, const double *d, size_t r, double h);
 
 #endif

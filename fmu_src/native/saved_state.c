@@ -1,5 +1,7 @@
 #include "saved_state.h"
 
+#include "motion.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -16,8 +18,9 @@ size_t saved_size(const Instance *x)
     return sizeof(SavedHead) + ((1 + RATES) * x->model->m + 2 * x->model->r) * sizeof(double);
 }
 
-void save_state(const Instance *x, unsigned char *bytes)
+void save_state(Instance *x, unsigned char *bytes)
 {
+    double *const *q_v = motion(x, VELOCITY); /* a static start is settled */
     size_t m = x->model->m, r = x->model->r;
     SavedHead head = {r, m, x->active, x->rates_given, x->rates_left, x->time, x->alpha, x->beta};
     memcpy(bytes, &head, sizeof head);
@@ -25,7 +28,7 @@ void save_state(const Instance *x, unsigned char *bytes)
     for (size_t order = 0; order <= RATES; order++, bytes += m * sizeof(double))
         memcpy(bytes, x->u[order], m * sizeof(double));
     for (size_t order = 0; order < 2; order++, bytes += r * sizeof(double))
-        memcpy(bytes, x->motion[order], r * sizeof(double));
+        memcpy(bytes, q_v[order], r * sizeof(double));
 }
 
 static bool all_finite(const unsigned char *bytes, size_t count)

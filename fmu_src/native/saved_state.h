@@ -7,7 +7,7 @@
 INTERNAL size_t saved_size(const Instance *instance);
 
 /* Write the state to saved_size(instance) bytes. */
-INTERNAL void save_state(const Instance *instance, unsigned char *bytes);
+INTERNAL void save_state(Instance *instance, unsigned char *bytes);
 
 /* Go back to what save_state wrote of an instance that was initialising then, or was not; refused, with
  * nothing changed, where the bytes are not of that kind. */

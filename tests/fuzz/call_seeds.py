@@ -64,7 +64,7 @@ def seeds() -> dict[str, bytes]:
         "states": simulation(
             CO_SIMULATION, force, step, keep, step, back, step, call(SERIALISE, 0, 0, 0, 0), back
         ),
-        "damaged": simulation(CO_SIMULATION, keep, call(SERIALISE, 0, 128, 0, 144, 7), back, step),
+        "damaged": simulation(CO_SIMULATION, keep, call(SERIALISE, 0, 128, 0, 136, 7), back, step),
         "parameters": simulation(CO_SIMULATION, damping, fewer, step, outputs),
         "refused": simulation(CO_SIMULATION, jump, call(STEP, 0, 9), call(SET_REAL, 1, 250, 0, 0, 0)),
         "beyond_the_last": simulation(CO_SIMULATION, call(GET_REAL, 1, LAST + 1, 0, 0, 0)),

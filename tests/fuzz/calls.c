@@ -37,7 +37,6 @@ static size_t state_of(Component *c, unsigned char *bytes)
                       .mode = (uint64_t)c->mode,
                       .stop_defined = c->stop_defined,
                       .states_jumped = c->states_jumped,
-                      .start = c->start,
                       .stop = c->stop};
     memcpy(head.guid, c->source.guid, GUID_SIZE);
     memcpy(bytes, &head, sizeof head);

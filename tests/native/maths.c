@@ -4,6 +4,7 @@
 #include "common.c"
 #include "propagator.c"
 #include "kernels.c"
+#include "model.c"
 #include "variables.c"
 #include "motion.c"
 #include "instance.c"
