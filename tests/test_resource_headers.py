@@ -33,6 +33,14 @@ OUTPUT_ONLY = oscillator(
 IGNORED = '"schema": 1, "later": {}'
 
 
+def with_replaced(right: str, other: str) -> dict[str, bytes]:
+    """The files of OUTPUT_ONLY with one text of model.json, laid out in one line, replaced."""
+    files = files_of(OUTPUT_ONLY)
+    text = json.dumps(json.loads(files[HEADER]))
+    assert text.count(right) == 1
+    return with_text(files, text.replace(right, other).encode())
+
+
 @pytest.mark.parametrize(
     ("right", "other"),
     [
@@ -57,10 +65,7 @@ IGNORED = '"schema": 1, "later": {}'
     ],
 )
 def test_headers_written_otherwise(tmp_path: Path, right: str, other: str) -> None:
-    files = files_of(OUTPUT_ONLY)
-    text = json.dumps(json.loads(files[HEADER]))
-    assert text.count(right) == 1
-    assert_read(with_text(files, text.replace(right, other).encode()), tmp_path, OUTPUT_ONLY)
+    assert_read(with_replaced(right, other), tmp_path, OUTPUT_ONLY)
 
 
 @pytest.mark.parametrize(
@@ -103,10 +108,7 @@ def test_headers_written_otherwise(tmp_path: Path, right: str, other: str) -> No
     ],
 )
 def test_headers_that_are_no_json_or_of_other_kinds(tmp_path: Path, right: str, wrong: str) -> None:
-    files = files_of(OUTPUT_ONLY)
-    text = json.dumps(json.loads(files[HEADER]))
-    assert text.count(right) == 1
-    assert_refused(with_text(files, text.replace(right, wrong).encode()), tmp_path, r"^model/model\.json: ")
+    assert_refused(with_replaced(right, wrong), tmp_path, r"^model/model\.json: ")
 
 
 def test_descriptions_of_any_characters_that_xml_holds(tmp_path: Path) -> None:
