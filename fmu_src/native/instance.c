@@ -19,8 +19,8 @@ static size_t padded(size_t count)
 /* How many numbers an instance of the model keeps; 0 where they cannot be counted. */
 static size_t vector_numbers(const ReducedModel *model)
 {
-    size_t n = padded(model->r),
-           columns = MODAL_VECTORS + KEPT_STEP_SIZES * COEFFICIENTS + model->m + model->p;
+    size_t n = padded(model->r);
+    size_t columns = MODAL_VECTORS + KEPT_STEP_SIZES * COEFFICIENTS + model->m + model->p;
     size_t limit = SIZE_MAX / sizeof(double) / 4;
     if (model->r > limit || model->m > limit || model->p > limit || columns > limit / n)
         return 0;

@@ -16,8 +16,7 @@ INTERNAL void real_values(Instance *instance, const unsigned int *references, si
 /* The derivative of an output, of an order 1 ... RATES, at the present time. */
 INTERNAL double output_derivative(Instance *instance, size_t row, size_t order);
 
-/* A state's nominal value: |B|/lam of q (order 0), |B|/omega of v (order 1); 1 where that is no usable
- * number. */
+/* The nominal value of a state: |B|/lam of q (order 0), |B|/omega of v (order 1), 1 where that is none. */
 INTERNAL double nominal(const Instance *instance, size_t order, size_t place);
 
 #endif
