@@ -222,6 +222,15 @@ def test_sources_compile_without_a_warning(unpacked: Path, tmp_path: Path) -> No
     assert_same(found, expected(damped()))
 
 
+def test_sources_call_no_function_by_a_shared_name(unpacked: Path, tmp_path: Path) -> None:
+    """A host may share another FMU's functions: nothing that gcc leaves to the loader bears an fmi2 name."""
+    library = tmp_path / "two_ports.so"
+    run(tool("gcc"), *SHARED, "-std=c11", unpacked / "sources" / "modalfmu.c", "-o", library, "-lm")
+    left = run(tool("readelf"), "--relocs", "--wide", library)
+    assert "fmi2" not in left
+    assert "sin" in left  # and the names are there to be seen
+
+
 def test_embedded_model_needs_no_file(unpacked: Path, tmp_path: Path) -> None:
     library = tmp_path / "two_ports.so"
     source = unpacked / "sources" / "modalfmu.c"

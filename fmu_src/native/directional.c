@@ -53,12 +53,12 @@ void spread_directions(Instance *x)
     memset(da + x->active, 0, (x->n - x->active) * sizeof(double));
     for (size_t i = 0; i < x->active; i++) {
         if (static_start(x)) {
-            dq[i] = da[i] / x->lam[i];
+            dq[i] = da[i] / x->model->lam[i];
             da[i] = 0.0;
         } else {
-            da[i] -= x->lam[i] * dq[i];
+            da[i] -= x->model->lam[i] * dq[i];
         }
-        da[i] -= x->d[i] * dv[i] + (x->seed_alpha + x->lam[i] * x->seed_beta) * v[i];
+        da[i] -= x->d[i] * dv[i] + (x->seed_alpha + x->model->lam[i] * x->seed_beta) * v[i];
     }
 }
 
@@ -70,7 +70,7 @@ double directional_derivative(const Instance *x, Group group, size_t place)
     if (group == OUTPUT)
         x->kernels->outputs(&rows, 0, &row, 0, 1, &value);
     else if (group == DAMPING_RATIO)
-        value = damping_ratio(x->lam[place], x->seed_alpha + x->lam[place] * x->seed_beta);
+        value = damping_ratio(x->model->lam[place], x->seed_alpha + x->model->lam[place] * x->seed_beta);
     else if (group == AMPLITUDE || group == AMPLITUDE_RATE || group == VELOCITY_RATE)
         value = x->seed[group == AMPLITUDE ? 0 : group == AMPLITUDE_RATE ? 1 : 2][place];
     return value;

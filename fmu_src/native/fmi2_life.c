@@ -60,6 +60,20 @@ static bool fill_component(Component *c, fmi2String name, fmi2String guid, fmi2S
     return c->instance ? true : out_of_memory(reason);
 }
 
+/* Not fmi2FreeInstance: by that name a host may have another FMU's function. */
+static void free_component(Component *c)
+{
+    if (!c)
+        return;
+    if (c->instance)
+        free_instance(c->instance, &c->memory);
+    if (c->source.model)
+        close_source(&c->source, &c->memory);
+    if (c->name)
+        c->memory.release(c->name);
+    c->memory.release(c);
+}
+
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
                               fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean loggingOn)
@@ -87,7 +101,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         snprintf(message, sizeof message, "fmi2Instantiate: %s", reason.text);
         started.name = (char *)(instanceName ? instanceName : "");
         tell(&started, fmi2Error, LOG_ERROR, message);
-        fmi2FreeInstance(c);
+        free_component(c);
         return NULL;
     }
     const ReducedModel *model = c->source.model;
@@ -99,16 +113,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
 
 void fmi2FreeInstance(fmi2Component component)
 {
-    Component *c = component;
-    if (!c)
-        return;
-    if (c->instance)
-        free_instance(c->instance, &c->memory);
-    if (c->source.model)
-        close_source(&c->source, &c->memory);
-    if (c->name)
-        c->memory.release(c->name);
-    c->memory.release(c);
+    free_component(component);
 }
 
 fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean loggingOn, size_t nCategories,

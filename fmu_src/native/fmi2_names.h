@@ -9,7 +9,6 @@
 #define PREFIXED_NAME(prefix, name) JOINED_NAME(prefix, name)
 #undef fmi2FullName
 #define fmi2FullName(name) PREFIXED_NAME(FMI2_FUNCTION_PREFIX, name)
-fmi2FreeInstanceTYPE fmi2FreeInstance; /* called before it is defined */
 #endif
 
 #endif

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #define ALIGNMENT 64     /* bytes of the widest register */
-#define MODAL_VECTORS 15 /* what place_vectors hands out */
+#define MODAL_VECTORS 14 /* what place_vectors hands out */
 #define INPUT_VECTORS 4
 #define COEFFICIENTS 7
 
@@ -38,10 +38,9 @@ static double *take(double **rest, size_t count)
 static void place_vectors(Instance *x, double *rest)
 {
     size_t n = x->n, m = x->model->m, p = x->model->p;
-    double **modal[MODAL_VECTORS] = {&x->lam,       &x->d,         &x->f[0],      &x->f[1],
-                                     &x->f[2],      &x->motion[0], &x->motion[1], &x->motion[2],
-                                     &x->motion[3], &x->motion[4], &x->next[0],   &x->next[1],
-                                     &x->seed[0],   &x->seed[1],   &x->seed[2]};
+    double **modal[MODAL_VECTORS] = {
+        &x->d,         &x->f[0],      &x->f[1],    &x->f[2],    &x->motion[0], &x->motion[1], &x->motion[2],
+        &x->motion[3], &x->motion[4], &x->next[0], &x->next[1], &x->seed[0],   &x->seed[1],   &x->seed[2]};
     double **of_inputs[INPUT_VECTORS] = {&x->u[0], &x->u[1], &x->u[2], &x->seed_u};
     for (size_t k = 0; k < MODAL_VECTORS; k++)
         *modal[k] = take(&rest, n);
@@ -62,11 +61,9 @@ static void copy_model(Instance *x)
 {
     const ReducedModel *model = x->model;
     size_t r = model->r, m = model->m, p = model->p;
-    for (size_t i = 0; i < r; i++) {
-        x->lam[i] = model->lam[i];
+    for (size_t i = 0; i < r; i++)
         for (size_t j = 0; j < m; j++)
             x->B[j * x->n + i] = model->B[i * m + j];
-    }
     for (size_t row = 0; row < p; row++) {
         OutputKind kind = model->output_kinds[row];
         memcpy(x->C + row * x->n, model->C + row * r, r * sizeof(double));
@@ -212,7 +209,7 @@ static const Propagator *kept_propagator(Instance *x, double h)
             x->newest[x->kept_count++] = (unsigned char)age;
         else
             age--;
-        propagator(&x->kept[x->newest[age]], x->lam, x->d, x->active, h);
+        propagator(&x->kept[x->newest[age]], x->model->lam, x->d, x->active, h);
         switch_off(x, &x->kept[x->newest[age]]);
     }
     unsigned char place = x->newest[age];

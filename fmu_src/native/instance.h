@@ -19,7 +19,7 @@ typedef struct {
     Layout layout;
     const Kernels *kernels;
     size_t n;
-    double *lam, *d;         /* lambda; d for the present alpha, beta */
+    double *d;               /* damping for the present alpha, beta */
     double *B, *C;           /* the columns of B, the rows of C */
     OutputKind highest_kind; /* of the outputs */
     bool initialising;       /* until fmi2ExitInitializationMode */

@@ -24,7 +24,7 @@ static void static_solution(Instance *x)
 {
     const double *f = modal_force(x, 0);
     for (size_t i = 0; i < x->active; i++)
-        x->motion[0][i] = f[i] / x->lam[i];
+        x->motion[0][i] = f[i] / x->model->lam[i];
     x->settled = true;
 }
 
@@ -36,7 +36,7 @@ double *const *motion(Instance *x, size_t order)
         size_t k = x->motions_known;
         const double *f = modal_force(x, k - 2), *q = x->motion[k - 2], *v = x->motion[k - 1];
         for (size_t i = 0; i < x->active; i++)
-            x->motion[k][i] = f[i] - x->d[i] * v[i] - x->lam[i] * q[i];
+            x->motion[k][i] = f[i] - x->d[i] * v[i] - x->model->lam[i] * q[i];
     }
     return x->motion;
 }
@@ -75,9 +75,9 @@ static double other_value(Instance *x, Group group, size_t place)
     case BETA:
         return x->beta;
     case FREQUENCY:
-        return sqrt(x->lam[place]) / TWO_PI;
+        return sqrt(x->model->lam[place]) / TWO_PI;
     case DAMPING_RATIO:
-        return damping_ratio(x->lam[place], x->d[place]);
+        return damping_ratio(x->model->lam[place], x->d[place]);
     case AMPLITUDE:
         return motion(x, 0)[0][place];
     case MODAL_VELOCITY:
@@ -114,7 +114,7 @@ double output_derivative(Instance *x, size_t row, size_t order)
 
 double nominal(const Instance *x, size_t order, size_t place)
 {
-    double omega = sqrt(x->lam[place]), force = 0.0;
+    double omega = sqrt(x->model->lam[place]), force = 0.0;
     for (size_t j = 0; j < x->model->m; j++)
         force = fmax(force, fabs(x->B[j * x->n + place]));
     if (!(omega > 1e-100 && omega < 1e100 && force > 1e-100 && force < 1e100))
