@@ -72,9 +72,15 @@ fmi2DeSerializeFMUstate only, through the functions that the host gives.
 
 
 def index_html(
-    model: ReducedModel, effective_mass: dict[str, list[float]] | None = None, total_mass: float | None = None
+    model: ReducedModel,
+    effective_mass: dict[str, list[float]] | None = None,
+    total_mass: float | None = None,
+    accuracy: str | None = None,
 ) -> str:
-    """`documentation/index.html`: what the model is, its ports and its modes with units."""
+    """`documentation/index.html`: what the model is, its ports and its modes with units.
+
+    accuracy: the name of a page beside it that tells how accurate the reduction is.
+    """
     ratio = model.damping_ratio(model.alpha, model.beta)
     head = ["mode", "frequency / Hz", "damping ratio"]
     rows = [
@@ -86,18 +92,27 @@ def index_html(
         for i, row in enumerate(rows):
             row += [f"{100 * mass[i] / total_mass:.1f}" for mass in effective_mass.values()]
     ports = [[port.name, ", ".join(port.inputs), ", ".join(port.outputs)] for port in model.ports]
+    link = f'<p><a href="{escape(accuracy)}">Accuracy of the reduction</a></p>\n' if accuracy else ""
     mass = f"<p>Total mass {total_mass:.6g} kg.</p>\n" if total_mass else ""
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(model.name)}</title>\n'
         "<style>body{font:15px sans-serif;margin:2em}td,th{padding:.2em .8em;text-align:right}"
         "th{border-bottom:1px solid}</style></head>\n"
         f"<body><h1>{escape(model.name)}</h1>\n<p>{escape(model.description)}</p>\n{mass}"
-        f"<p>Reduced modal model of {len(model.lam)} modes, damping &alpha; = {model.alpha:g} 1/s, "
-        f"&beta; = {model.beta:g} s. Each mode advances by the analytic solution of its equation of motion, "
+        f"<p>Reduced modal model of {len(model.lam)} modes, {_damping(model)}. "
+        "Each mode advances by the analytic solution of its equation of motion, "
         "exact for the force as it is given over the step, at any step size.</p>\n"
-        f"<h2>Ports</h2>\n{_table(['port', 'inputs', 'outputs'], ports)}"
+        f"{link}<h2>Ports</h2>\n{_table(['port', 'inputs', 'outputs'], ports)}"
         f"<h2>Modes</h2>\n{_table(head, rows)}</body></html>\n"
     )
+
+
+def _damping(model: ReducedModel) -> str:
+    """The damping beside the ratios of the table."""
+    words = [f"damping &alpha; = {model.alpha:g} 1/s, &beta; = {model.beta:g} s"]
+    if model.D_rest.any():
+        words.append("and damping that couples modes" if len(model.coupled) else "and ratios of their own")
+    return " ".join(words)
 
 
 def _table(head: list[str], rows: list[list[str]]) -> str:

@@ -6,6 +6,7 @@ from textwrap import fill
 from .runtime.model import Floats, ReducedModel
 
 COLUMNS = 110
+ARRAYS = ("lam", "D_rest", "B", "C", "R", "R_in")
 
 
 def embedded_model(model: ReducedModel, guid: str) -> str:
@@ -14,33 +15,35 @@ def embedded_model(model: ReducedModel, guid: str) -> str:
     Every number is written so that it is read back exactly. C knows no empty array: one without entries
     has a 0 that is never read.
     """
-    kinds = [kind.upper() for kind in model.output_kinds]
+    arrays = "\n".join(_array(f"double embedded_{key}", _numbers(getattr(model, key))) for key in ARRAYS)
+    laws = [law.upper() for law in model.laws]
     return f"""\
 /* The reduced model of {model.name}: data instead of files, where MODALFMU_EMBEDDED_MODEL is defined. */
 static const char embedded_guid[] = "{guid}";
 
-{_array("double embedded_lam", _numbers(model.lam))}
-{_array("double embedded_D_rest", _numbers(model.D_rest))}
-{_array("double embedded_B", _numbers(model.B))}
-{_array("double embedded_C", _numbers(model.C))}
+{arrays}
 {_array("char *const embedded_inputs", _texts(model.inputs))}
 {_array("char *const embedded_outputs", _texts(model.outputs))}
-{_array("OutputKind embedded_output_kinds", kinds)}
+{_array("Law embedded_laws", laws)}
 static const ReducedModel embedded_model = {{
     .name = "{model.name}",
     .r = {len(model.lam)},
     .m = {len(model.inputs)},
     .p = {len(model.outputs)},
+    .s = {len(model.C)},
     .lam = embedded_lam,
     .alpha = {float(model.alpha)!r},
     .beta = {float(model.beta)!r},
     .D_rest = embedded_D_rest,
     .B = embedded_B,
     .C = embedded_C,
+    .R = embedded_R,
+    .R_in = embedded_R_in,
     .inputs = embedded_inputs,
     .outputs = embedded_outputs,
-    .output_kinds = embedded_output_kinds,
-    .initial_static = {"true" if model.initial == "static" else "false"},
+    .laws = embedded_laws,
+    .residual = {_truth(model.residual)},
+    .initial_static = {_truth(model.initial == "static")},
 }};
 """
 
@@ -56,3 +59,7 @@ def _numbers(array: Floats) -> list[str]:
 
 def _texts(names: Iterable[str]) -> list[str]:
     return [f'"{name}"' for name in names]
+
+
+def _truth(value: bool) -> str:
+    return "true" if value else "false"

@@ -1,4 +1,4 @@
-"""Mesh and materials → M ü + K u = F [2.16], DOF 3·node + direction."""
+"""Mesh and materials → M ü + D u̇ + K u = F [2.16], DOF 3·node + direction."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from .arrays import Floats, Ints
 from .cell_checks import check_materials, check_shapes, check_twins
 from .cell_matrices import mass, stiffness
 from .elements import ELEMENTS
-from .material import CellMaterial
+from .material import CellMaterial, shared_rayleigh
 from .mesh import Mesh
 from .node_pairs import BlockSums, is_upper, kron_identity, pair_keys
 from .system import System, rigid_motions
@@ -40,10 +40,11 @@ def assemble(
     materials: Sequence[CellMaterial],
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> System:
-    """K = Σ_cells ∫ Bᵀ C B dV, M = Σ_cells ∫ ρ N_a N_b dV ⊗ I₃ (consistent mass).
+    """K = Σ_cells ∫ Bᵀ C B dV, M = Σ_cells ∫ ρ N_a N_b dV ⊗ I₃ (consistent mass), D = Σ_m α_m M_m + β_m K_m.
 
     mesh: n points; materials: every cell is in exactly one of them; progress: called with the fraction done.
-    Gives M (3n, 3n) in kg and K (3n, 3n) in N/m, exactly symmetric, with sorted int32 indices.
+    Gives M in kg, K in N/m and D in N·s/m, (3n, 3n), exactly symmetric, with sorted int32 indices. D lacks
+    the α and β that all materials share (`shared_rayleigh`); there is none where nothing else is left.
     Raises MeshError: cells in no material or in two, a material without cells, det J ≤ 0 somewhere.
     """
     check_materials(mesh, materials)
@@ -51,15 +52,21 @@ def assemble(
     with threadpool_limits(limits=1, user_api="blas"):
         check_twins(mesh)
         check_shapes(mesh)
-        K, m = _sums(mesh, materials, progress)
-    return System(M=kron_identity(m.symmetric()), K=K.symmetric(), rigid=rigid_motions(mesh.points))
+        K, m, D = _sums(mesh, materials, progress)
+    return System(
+        M=kron_identity(m.symmetric()),
+        K=K.symmetric(),
+        rigid=rigid_motions(mesh.points),
+        D=None if D is None else D.symmetric(),
+    )
 
 
 def _sums(
     mesh: Mesh, materials: Sequence[CellMaterial], progress: Callable[[float], None]
-) -> tuple[BlockSums, BlockSums]:
-    """Σ_cells K_ab and Σ_cells m_ab for every pair of nodes that share a cell."""
+) -> tuple[BlockSums, BlockSums, BlockSums | None]:
+    """Σ_cells K_ab, m_ab and α_m m_ab I₃ + β_m K_ab for every pair of nodes that share a cell."""
     n = len(mesh.points)
+    alpha, beta = shared_rayleigh(materials)
     blocks = list(_blocks(mesh, materials))
     keys = [pair_keys(block.nodes, n) for block in blocks]
     ends = np.cumsum([len(k) for k in keys])
@@ -67,14 +74,21 @@ def _sums(
     del keys
     K = BlockSums(pairs, n, np.zeros((len(pairs), 9)))
     m = BlockSums(pairs, n, np.zeros((len(pairs), 1)))
+    differ = any((material.alpha, material.beta) != (alpha, beta) for material in materials)
+    D = BlockSums(pairs, n, np.zeros((len(pairs), 9))) if differ else None
     for number, (block, slot) in enumerate(zip(blocks, np.split(slots, ends[:-1]), strict=True)):
         upper = is_upper(block.nodes)
         x = mesh.points[block.nodes]
-        K.add(slot, _stiffness_blocks(block, x)[upper].reshape(-1, 9))
-        m.add(slot, mass(block.family, x, block.material.density)[upper][:, None])
+        K_ab = _stiffness_blocks(block, x)[upper].reshape(-1, 9)
+        m_ab = mass(block.family, x, block.material.density)[upper][:, None]
+        K.add(slot, K_ab)
+        m.add(slot, m_ab)
+        if D is not None:
+            own_alpha, own_beta = block.material.alpha - alpha, block.material.beta - beta
+            D.add(slot, own_alpha * m_ab * np.eye(3).ravel() + own_beta * K_ab)
         if 100 * number // len(blocks) != 100 * (number + 1) // len(blocks):
             progress((number + 1) / len(blocks))
-    return K, m
+    return K, m, D
 
 
 def _stiffness_blocks(block: _Block, x: Floats) -> Floats:

@@ -4,12 +4,13 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import AfterValidator, Field, PlainValidator
 
+from .part_values import Number
 from .selection import Box, NamedSet, Nodes, Plane, Point, Selection
 from .toml_table import Table, exactly_one, mistake, not_empty
 
-Number: TypeAlias = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Coordinates: TypeAlias = tuple[Number, Number, Number]
 NodeId: TypeAlias = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
+WHERE = "the name of a set, or a table with one of point, box, plane, nodes"
 
 
 def _low_to_high(box: tuple[Coordinates, Coordinates]) -> tuple[Coordinates, Coordinates]:

@@ -33,11 +33,18 @@ def complain(text: str) -> None:
 
 
 class _Lines(logging.Handler):
-    """Each record is one line on stderr, wherever that leads at the time."""
+    """Each record is one line on stderr, wherever that leads at the time; what was said is not said again."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._said: set[str] = set()
 
     def emit(self, record: logging.LogRecord) -> None:
         word = "warning" if record.levelno >= logging.WARNING else "note"
-        print(f"{word}: {' '.join(record.getMessage().split())}", file=sys.stderr)
+        line = f"{word}: {' '.join(record.getMessage().split())}"
+        if line not in self._said:
+            self._said.add(line)
+            print(line, file=sys.stderr)
 
 
 @contextmanager

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from .arrays import Bools, Floats, Ints
+from .arrays import Floats, Ints
 from .canonical import EQUAL, canonical
 from .dense import dense_modes
 from .errors import EigenError
@@ -14,11 +14,11 @@ from .factor import Solver, choose, factoriser
 from .lanczos import extend
 from .notice import notice, warning
 from .pencil import Pairs, Pencil, nothing
-from .rigid import rigid_modes
+from .restraint import restrain, tell_rigid
 from .rounding import eigenvalue_noise
 from .sturm import count_below, lowest_modes
 from .system import System
-from .zero_energy import Where, refuse_dofs_without_stiffness, refuse_loose_pieces, refuse_mechanisms
+from .zero_energy import Where, refuse_mechanisms
 
 DENSE = 500  # DOFs up to which all modes at once are as quick as some
 SHARE = 4  # more than a quarter of the modes: all at once
@@ -72,33 +72,28 @@ def solve_modes(
     that do not converge or cannot be found, memory, solver not installed. ZeroEnergyError: loose pieces,
     hinges, DOFs without stiffness.
     """
-    held = _held(system, fixed)
-    free = np.flatnonzero(~held)
+    restraint = restrain(system, fixed, where)
+    free, rigid = restraint.free, restraint.rigid
     _check_request(count, max_frequency, len(free))
-    _check_matrices(system, where)
-    refuse_dofs_without_stiffness(system.K, ~held, where)
-    rigid = rigid_modes(system, np.flatnonzero(held))
-    refuse_loose_pieces(system, held, rigid.shape[1], where)
     pencil = _pencil(system, free, rigid)
     if count is not None and count > pencil.elastic + rigid.shape[1]:
         raise EigenError(
             f"count: got {count}, the part has {pencil.elastic + rigid.shape[1]} free DOFs with mass"
         )
-    if rigid.shape[1]:
-        notice(f"rigid modes: {rigid.shape[1]}, the supports leave the part free to move")
+    tell_rigid(rigid)
 
     ceiling = 0.0 if max_frequency is None else (2 * np.pi * max_frequency) ** 2
     wanted = 1 if count is None else max(count - rigid.shape[1], 1)
     found = canonical(_elastic_modes(pencil, wanted, ceiling, solver, progress))
     refuse_mechanisms(pencil, found, free, where)
     lam = np.concatenate([np.zeros(rigid.shape[1]), found.lam])
-    r = _number_up_to(lam, ceiling) if count is None else count
+    r = number_up_to(lam, ceiling) if count is None else count
     if r < len(lam) and lam[r] - lam[r - 1] <= EQUAL * lam[r]:
         notice(f"modes {r} and {r + 1} share one frequency; only the first of them is kept")
-    Phi = np.zeros((len(held), r))
+    Phi = np.zeros((len(rigid), r))
     Phi[:, : rigid.shape[1]] = rigid[:, :r]
     Phi[free, rigid.shape[1] :] = found.Phi[:, : max(r - rigid.shape[1], 0)]
-    _check_orthonormal(system, Phi)
+    check_orthonormal(system, Phi)
     return Modes(lam[:r], Phi, min(rigid.shape[1], r), found.solver)
 
 
@@ -135,7 +130,7 @@ def _elastic_modes(pencil: Pencil, wanted: int, ceiling: float, solver: Solver, 
     return pairs
 
 
-def _number_up_to(lam: Floats, ceiling: float) -> int:
+def number_up_to(lam: Floats, ceiling: float) -> int:
     """How many λ ≤ ceiling, those equal to it within rounding included."""
     r = int(np.sum(lam <= ceiling * (1 + EQUAL)))
     if r == 0:
@@ -146,7 +141,7 @@ def _number_up_to(lam: Floats, ceiling: float) -> int:
     return r
 
 
-def _check_orthonormal(system: System, Phi: Floats) -> None:
+def check_orthonormal(system: System, Phi: Floats) -> None:
     error = float(np.max(np.abs(Phi.T @ (system.M @ Phi) - np.eye(Phi.shape[1]))))
     if not error <= ORTHONORMAL:
         raise EigenError(
@@ -159,23 +154,10 @@ def _check_request(count: int | None, max_frequency: float | None, free: int) ->
         raise EigenError(
             f"modes: got count = {count}, max_frequency = {max_frequency}; expected exactly one of them"
         )
-    if free == 0:
-        raise EigenError("support: got all DOFs held, expected some that are free; take a support out")
     if count is not None and not 1 <= count <= free:
         raise EigenError(f"count: got {count}, the part has {free} free DOFs; expected 1 to {free}")
     if max_frequency is not None and not 0 < max_frequency < np.inf:
         raise EigenError(f"max_frequency: got {max_frequency}, expected a positive number of Hz")
-
-
-def _check_matrices(system: System, where: Where) -> None:
-    for name, A in (("K", system.K), ("M", system.M)):
-        if not np.all(np.isfinite(A.data)):
-            raise EigenError(
-                f"{name}: got NaN or infinite entries, expected finite ones; check the materials"
-            )
-        if np.any(A.diagonal() < 0):
-            first = int(np.argmax(A.diagonal() < 0))
-            raise EigenError(f"{name}: got a negative diagonal entry, first {where(first)}; expected none")
 
 
 def _pencil(system: System, free: Ints, rigid: Floats) -> Pencil:
@@ -183,13 +165,5 @@ def _pencil(system: System, free: Ints, rigid: Floats) -> Pencil:
     K, M = system.K, system.M
     if len(free) < K.shape[0]:
         K, M = K[free][:, free], M[free][:, free]
-    return Pencil(K, M, rigid[free], eigenvalue_noise(K, M, system.rigid[free, :3]))
-
-
-def _held(system: System, fixed: Ints) -> Bools:
-    n = system.K.shape[0]
-    if len(fixed) and not (np.min(fixed) >= 0 and np.max(fixed) < n):
-        raise EigenError(f"fixed: got DOFs {np.min(fixed)} to {np.max(fixed)}, expected 0 to {n - 1}")
-    held = np.zeros(n, dtype=bool)
-    held[fixed] = True
-    return held
+    noise = eigenvalue_noise(K, M, system.rigid[free, :3], system.precision)
+    return Pencil(K, M, rigid[free], noise, system.precision)

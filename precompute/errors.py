@@ -4,6 +4,7 @@ from fmu_src.runtime.errors import ModalFmuError, ModelError
 
 __all__ = [
     "EigenError",
+    "MatrixError",
     "MeshError",
     "ModalFmuError",
     "ModelError",
@@ -19,6 +20,10 @@ class PartError(ModalFmuError):
 
 class MeshError(ModalFmuError):
     """A mesh file cannot be read, or its cells cannot be integrated."""
+
+
+class MatrixError(ModalFmuError):
+    """A matrix of another program cannot be read, or is not the stiffness, mass or damping of a part."""
 
 
 class SelectionError(ModalFmuError):

@@ -16,9 +16,10 @@ def hertz(f: float) -> str:
 
 
 def mode_table(reduction: Reduction) -> Table:
-    """One row per mode: frequency in Hz, damping ratio ζ, share of the part's mass in x, y and z.
+    """One row per mode: frequency in Hz, damping ratio ζ, share of the part's mass in x, y and z, dominance.
 
-    The last row says how much of the mass all modes together capture.
+    The last row says how much of the mass all modes together capture. Dominance is the mode's peak between
+    the ports, relative to the highest.
     """
     model = reduction.model
     share = 100 * reduction.effective_mass / reduction.total_mass
@@ -33,9 +34,11 @@ def mode_table(reduction: Reduction) -> Table:
     table.add_column("damping ratio", justify="right")
     for axis, captured in zip("xyz", share.sum(axis=1), strict=True):
         table.add_column(f"mass in {axis} / %", f"{captured:.1f}", justify="right")
+    table.add_column("dominance / %", justify="right")
     for i, (f, zeta) in enumerate(zip(model.frequency, _ratios(reduction), strict=True)):
         frequency, ratio = ("rigid", "–") if zeta is None else (hertz(f), f"{zeta:.4g}")
-        table.add_row(str(i + 1), frequency, ratio, *(f"{percent:.1f}" for percent in share[:, i]))
+        dominance = "–" if zeta is None else f"{100 * reduction.dominance[i]:.3g}"
+        table.add_row(str(i + 1), frequency, ratio, *(f"{x:.1f}" for x in share[:, i]), dominance)
     return table
 
 
@@ -47,6 +50,7 @@ def mode_object(reduction: Reduction) -> dict[str, Any]:
         "rigid_body_modes": int(np.count_nonzero(reduction.model.lam == 0)),
         "effective_mass": dict(zip("xyz", reduction.effective_mass.tolist(), strict=True)),
         "total_mass": reduction.total_mass,
+        "dominance": [float(x) if x >= 0 else None for x in reduction.dominance],
         "dofs": reduction.dofs,
         "solver": reduction.modes.solver,
     }

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from .dofs import nodal
+from .errors import PartError
 from .mode_report import hertz
 from .output_file import replacing
 from .pipeline import Reduction
@@ -18,9 +20,14 @@ def write_mode_shapes(path: Path, reduction: Reduction) -> None:
     Each field is scaled so that its largest displacement is 5 % of the mesh's diagonal: ParaView's filter
     Warp By Vector shows it with scale factor 1.
     """
-    mesh, Phi = reduction.mesh, reduction.modes.Phi
-    r = Phi.shape[1]
-    shapes = Phi.reshape(-1, 3, r)
+    mesh = reduction.full.mesh
+    if mesh is None:
+        raise PartError(
+            f"{reduction.part.source.name}: got no mesh to draw mode shapes on; add [part] mesh, with the "
+            "node numbers of the matrices"
+        )
+    shapes = nodal(reduction.full.dofs, reduction.modes.Phi, len(mesh.points))
+    r = shapes.shape[2]
     largest = np.linalg.norm(shapes, axis=1).max(axis=0)
     drawn = (shapes * (LARGEST * mesh.diagonal / largest)).astype(np.float32)
     names = [_name(i, r, f) for i, f in enumerate(reduction.model.frequency.tolist(), start=1)]

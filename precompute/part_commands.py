@@ -23,8 +23,9 @@ def build(
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     runtime: Literal["native", "python"] = "native",
     platform: str | None = None,
+    certificate: bool = True,
 ) -> None:
-    """Build the FMU of a part and show its modes.
+    """Build the FMU of a part; show its modes and what the reduction costs in accuracy.
 
     Example:
 
@@ -43,7 +44,11 @@ def build(
         Where the native FMU runs: linux64, win64, darwin64, aarch64-linux, several with commas, or all.
         Left out: this machine's, and all others whose libraries are there already. After
         `pip install "modalfmu[cross]"` the others are compiled when they are first asked for.
+    certificate
+        Compare the frequency responses of the reduced model with those of the full one. The result is shown
+        and goes into the FMU (documentation/accuracy.html); it takes about as long as the modes.
     """
+    from .certificate_report import certificate_lines, certificate_table
     from .mode_report import mode_table
     from .part import read_part
     from .pipeline import package, reduce_part
@@ -55,10 +60,13 @@ def build(
     check_writable(path)
     with progress() as tell:
         inside = choose_runtime(runtime, platform, tell)
-        reduction = reduce_part(described, tell)
+        reduction = reduce_part(described, tell, certified=certificate)
         package(reduction, path, tell, inside.build)
+    found = reduction.certificate
+    show(mode_table(reduction))
+    if found is not None:
+        show(certificate_table(found), *certificate_lines(found), "")
     show(
-        mode_table(reduction),
         f"{path}: {path.stat().st_size / 1e6:.2f} MB, {runtime} runtime ({', '.join(inside.platforms)}), "
         f"{reduction.dofs} degrees of freedom → {len(reduction.model.lam)} modes, {reduction.modes.solver}, "
         f"{time.monotonic() - started:.1f} s",

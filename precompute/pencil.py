@@ -8,6 +8,7 @@ from scipy.sparse import csr_array
 
 from .arrays import Floats
 from .errors import EigenError
+from .rounding import EPS
 
 SHIFT = 1e4  # · λ_ε: K − σM stays positive definite whatever rounding does, and all modes stay apart
 NEGATIVE = "K: got a motion of negative strain energy, expected none; check springs and where K comes from"
@@ -18,13 +19,14 @@ class Pencil:
     """K φ = λ M φ on the M-orthogonal complement of the rigid modes.
 
     K, M: (n, n) in N/m and kg; rigid: (n, k), M-orthonormal; noise: λ_ε in 1/s², which is what rounding
-    makes of λ = 0.
+    makes of λ = 0; precision: relative, of the entries of K.
     """
 
     K: csr_array
     M: csr_array
     rigid: Floats
     noise: float
+    precision: float = EPS
 
     @property
     def sigma(self) -> float:

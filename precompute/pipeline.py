@@ -1,35 +1,36 @@
 """From a part file to its reduced model, and on to the FMU: the stages one after the other."""
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from fmu_src.documentation import index_html
 from fmu_src.native_fmu import build_native_fmu
-from fmu_src.runtime.model import Port as FmuPort
 from fmu_src.runtime.model import ReducedModel
 
-from .arrays import Floats, Ints
-from .assembly import assemble
-from .damping import damping_of
-from .doubts import doubt_held_ports, doubt_linear_cells, doubt_units
+from .arrays import Floats
+from .certificate import Certificate
+from .certificate_report import certificate_files
+from .certification import certificate_of
+from .connection import Connection, connect, damped, interface_of, needs_statics
+from .dofs import nodal
+from .dominance import dominance
+from .doubts import doubt_ratios, doubt_units
 from .effective_mass import effective_mass, total_mass
-from .eigen import Modes, solve_modes
-from .errors import EigenError, ModelError, PartError, SelectionError
-from .material import CellMaterial
-from .mesh import Mesh
+from .eigen import Modes
+from .errors import ModalFmuError
+from .full_part import FullPart, Progress, read_full_part
+from .node_table import asking_for_coordinates
+from .oscillators import oscillators_of
 from .part import Part
-from .ports import PortNodes, port_nodes
-from .read_mesh import UNITS, read_mesh
+from .reduced_basis import basis_of
 from .reduction import reduce
-from .selection import Selection, select_cells, select_nodes
+from .residual import residual_flexibility
 from .shape import surface_shape, write_shape
-
-Progress = Callable[[str, float | None], None]
-"""Called with the stage's name and the fraction of it that is done, None where that is not known."""
+from .statics import StaticSolver, static_solver
 
 Builder = Callable[[ReducedModel, Path, Mapping[str, bytes]], Path]
 """Writes an FMU with extra files of the archive."""
@@ -43,77 +44,109 @@ def silent(stage: str, fraction: float | None) -> None:
 class Reduction:
     """A reduced model with what it came from.
 
-    effective_mass: (3, r) kg in x, y, z; total_mass in kg; dofs: free degrees of freedom of the full model.
+    full: the model it is of; modes: Φ over all DOFs of it; effective_mass: (3, r) kg in x, y, z; total_mass
+    in kg; dominance: (r,), NaN for rigid modes; dofs: free degrees of freedom of the full model; certificate:
+    what the reduction costs, where it was asked for and there is something to compare.
     """
 
     part: Part
-    mesh: Mesh
+    full: FullPart
     modes: Modes
     model: ReducedModel
     effective_mass: Floats
     total_mass: float
+    dominance: Floats
     dofs: int
+    certificate: Certificate | None
 
 
-def reduce_part(part: Part, progress: Progress = silent) -> Reduction:
-    """Mesh → K, M → modes → reduced model.
+def reduce_part(part: Part, progress: Progress = silent, *, certified: bool = False) -> Reduction:
+    """Mesh or matrices → K, M, D → modes → reduced model; certified: with a statement of its error.
 
     Raises a ModalFmuError, one line that begins with the part file's name and key where one is at fault.
     """
     doubt_units(part)
-    progress("reading the mesh", None)
-    mesh = read_mesh(part.mesh, part.length_unit)
-    ports = [
-        (FmuPort(port.name, port.inputs, port.outputs), _port_nodes(part, mesh, k))
-        for k, port in enumerate(part.ports)
-    ]
-    fixed = _fixed_dofs(part, mesh)
-    doubt_linear_cells(mesh)
-    doubt_held_ports(part, [where for _, where in ports], fixed)
-    system = assemble(mesh, _materials(part, mesh), lambda fraction: progress("assembling K and M", fraction))
-    with _named(part):
-        modes = solve_modes(
-            system,
-            fixed,
-            count=part.modes.count,
-            max_frequency=part.modes.max_frequency,
-            where=lambda dof: _place(mesh, dof),
-            progress=lambda stage: progress(stage, None),
-        )
+    doubt_ratios(part)
+    full = read_full_part(part, progress)
+    with _named(part), asking_for_coordinates(full.nodes):
+        connection = connect(part, full)
+        with _statics(part, connection, certified, progress) as solve:
+            return _reduced(part, connection, solve, certified, progress)
+
+
+def _reduced(
+    part: Part, connection: Connection, solve: StaticSolver | None, certified: bool, progress: Progress
+) -> Reduction:
+    interface = interface_of(connection, solve)
+    basis = basis_of(part, connection, interface, solve, progress)
     progress("reducing", None)
-    with _named(part):
-        model = reduce(
-            part.name,
-            part.description or "",
-            modes.lam,
-            modes.Phi,
-            damping_of(part.damping, modes.lam),
-            ports,
-            part.modes.initial,
-        )
+    modes = basis.modes
+    residual = None
+    if part.modes.residual is True:
+        assert solve is not None  # `_statics` saw it
+        residual = residual_flexibility(interface, modes, solve)
+    damping = damped(part, connection, modes)
+    model = reduce(
+        part.name,
+        part.description or "",
+        modes.lam,
+        modes.Phi,
+        damping,
+        interface,
+        residual,
+        part.modes.initial,
+    )
+    certificate = None
+    if certified and solve is not None:
+        progress("certifying", None)
+        certificate = certificate_of(part, connection, interface, basis, model, solve)
+    system, T = connection.system, connection.held.T
+    everywhere = replace(modes, Phi=np.asarray(T @ modes.Phi))
     return Reduction(
         part,
-        mesh,
-        modes,
+        connection.full,
+        everywhere,
         model,
-        effective_mass(system, modes.Phi),
+        effective_mass(system, everywhere.Phi),
         total_mass(system),
-        system.K.shape[0] - len(fixed),
+        dominance(oscillators_of(model), model.ports),
+        T.shape[1] - len(connection.held.fixed),
+        certificate,
     )
 
 
 def package(
     reduction: Reduction, path: Path, progress: Progress = silent, build: Builder = build_native_fmu
 ) -> Path:
-    """Write the FMU with its mode table and its mode shapes; returns its path.
+    """Write the FMU with its mode table, its mode shapes and its certificate; returns its path.
 
     build: build_native_fmu, or build_python_fmu for the Python twin.
     """
     progress("packaging", None)
     masses = dict(zip("xyz", reduction.effective_mass.tolist(), strict=True))
-    table = index_html(reduction.model, masses, reduction.total_mass)
-    shape = surface_shape(reduction.mesh, reduction.modes.Phi)
-    return build(reduction.model, path, {"documentation/index.html": table.encode(), **write_shape(shape)})
+    files: dict[str, bytes] = {}
+    if reduction.certificate is not None:
+        files |= certificate_files(reduction.certificate)
+    accuracy = None if reduction.certificate is None else "accuracy.html"
+    table = index_html(reduction.model, masses, reduction.total_mass, accuracy)
+    files["documentation/index.html"] = table.encode()
+    mesh = reduction.full.mesh
+    if mesh is not None:
+        shapes = nodal(reduction.full.dofs, reduction.modes.Phi, len(mesh.points))
+        files |= write_shape(surface_shape(mesh, shapes))
+    return build(reduction.model, path, files)
+
+
+def _statics(
+    part: Part, connection: Connection, certified: bool, progress: Progress
+) -> AbstractContextManager[StaticSolver | None]:
+    """The static factor, where plain modes are not all that is asked for."""
+    modal = part.basis.kind == "modal" and part.modes.error is None and part.modes.residual is False
+    if modal and not certified and not needs_statics(connection.exchange):
+        return nullcontext()
+    progress("factorising K", None)
+    held = connection.held
+    return static_solver(held.system, held.fixed, where=connection.where)
 
 
 @contextmanager
@@ -121,63 +154,7 @@ def _named(part: Part) -> Iterator[None]:
     """Mistakes of the part as a whole begin with its file's name."""
     try:
         yield
-    except (EigenError, ModelError) as error:
+    except ModalFmuError as error:
+        if str(error).startswith(part.source.name):
+            raise
         raise type(error)(f"{part.source.name}: {error}") from error
-
-
-def _port_nodes(part: Part, mesh: Mesh, k: int) -> PortNodes:
-    port = part.ports[k]
-    return port_nodes(mesh, _nodes(part, mesh, f"port[{k + 1}].at", port.at), port.weights, port.name)
-
-
-def _fixed_dofs(part: Part, mesh: Mesh) -> Ints:
-    """The DOFs 3·node + direction that the supports hold, sorted and unique."""
-    dofs = [np.zeros(0, dtype=np.int64)]
-    for k, support in enumerate(part.supports):
-        nodes = _nodes(part, mesh, f"support[{k + 1}].at", support.at)
-        dofs += [3 * nodes + "xyz".index(direction) for direction in support.fix]
-    return np.unique(np.concatenate(dofs))
-
-
-def _nodes(part: Part, mesh: Mesh, key: str, at: Selection) -> Ints:
-    try:
-        return select_nodes(mesh, at, UNITS[part.length_unit])
-    except SelectionError as error:
-        raise SelectionError(f"{part.source.name}: {key}: {error}") from None
-
-
-def _materials(part: Part, mesh: Mesh) -> list[CellMaterial]:
-    """Each material with its cells; one without `cells` takes what no other names."""
-    named: dict[str, dict[str, Ints]] = {}
-    for k, material in enumerate(part.materials):
-        if material.cells is not None:
-            try:
-                named[material.name] = dict(select_cells(mesh, material.cells))
-            except SelectionError as error:
-                raise SelectionError(f"{part.source.name}: material[{k + 1}].cells: {error}") from None
-    rest = {
-        family: np.setdiff1d(
-            np.arange(len(cells)),
-            np.concatenate(
-                [np.zeros(0, dtype=np.int64), *(c[family] for c in named.values() if family in c)]
-            ),
-        )
-        for family, cells in mesh.cells.items()
-    }
-    rest = {family: cells for family, cells in rest.items() if len(cells)}
-    for k, material in enumerate(part.materials):
-        if material.cells is None and not rest:
-            raise PartError(
-                f"{part.source.name}: material[{k + 1}]: got no cell that is left for it, expected some; "
-                f"remove {material.name!r} or the cells of another material"
-            )
-    return [
-        CellMaterial(m.name, m.young, m.poisson, m.density, named.get(m.name, rest) if m.cells else rest)
-        for m in part.materials
-    ]
-
-
-def _place(mesh: Mesh, dof: int) -> str:
-    node = dof // 3
-    x, y, z = mesh.points[node]
-    return f"node {mesh.node_ids[node]} at ({x:.4g}, {y:.4g}, {z:.4g}) m"

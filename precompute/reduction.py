@@ -1,15 +1,15 @@
-"""The reduced model between ports: f = ΦᵀF and u = Φq at the ports only [2.20, 2.22]."""
+"""The reduced model between ports: f = Φᵀb u and y = cΦ q at the ports only [2.20, 2.22]."""
 
-from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
 
-from fmu_src.runtime.model import Port, ReducedModel
+from fmu_src.runtime.model import ReducedModel
 
 from .arrays import Floats
 from .damping import Damping
-from .ports import PortNodes, participation
+from .interface import Interface
+from .residual import Residual
 
 
 def reduce(
@@ -18,20 +18,17 @@ def reduce(
     lam: Floats,
     Phi: Floats,
     damping: Damping,
-    ports: Sequence[tuple[Port, PortNodes]],
+    interface: Interface,
+    residual: Residual | None = None,
     initial: Literal["rest", "static"] = "rest",
 ) -> ReducedModel:
-    """B = Φᵀb and C = bᵀΦ with b the weights of each port and direction.
+    """B = Φᵀb, C = cΦ and R = direct feed-through + residual flexibility.
 
-    lam: (r,) 1/s²; Phi: (3n, r) mass-normalised, kg^-1/2. Raises ModelError where `initial` is "static"
-    and the body has rigid modes.
+    lam: (r,) 1/s²; Phi: (n, r) mass-normalised, kg^-1/2, over the DOFs of `interface`. Raises ModelError
+    where `initial` is "static" and the body has rigid modes.
     """
-    r = len(lam)
-    B, C = [], []
-    for port, where in ports:
-        motion = dict(zip("xyz", participation(Phi, where), strict=True))
-        B += [motion[name[-1]] for name in port.inputs]
-        C += [motion[name[-1]] for name in port.outputs]
+    m = interface.b.shape[1]
+    R, R_in = (0.0, np.zeros((m, m))) if residual is None else (residual.R, residual.R_in)
     return ReducedModel(
         name=name,
         description=description,
@@ -39,8 +36,11 @@ def reduce(
         alpha=damping.alpha,
         beta=damping.beta,
         D_rest=damping.D_rest,
-        B=np.array(B, dtype=np.float64).reshape(-1, r).T.copy(),
-        C=np.array(C, dtype=np.float64).reshape(-1, r),
-        ports=tuple(port for port, _ in ports),
+        B=np.ascontiguousarray((interface.b.T @ Phi).T),
+        C=np.ascontiguousarray(interface.c @ Phi),
+        R=interface.direct + R,
+        R_in=R_in,
+        ports=interface.ports,
         initial=initial,
+        residual=residual is not None,
     )

@@ -4,6 +4,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from .arrays import Floats, Ints
+from .orthonormal import extended
 from .rounding import without_energy
 from .system import System
 
@@ -18,22 +19,27 @@ def rigid_modes(system: System, fixed: Ints) -> Floats:
     free body has x, y, z, then rotations about its centre of gravity.
     Springs to ground inside K hold the body as supports do; fixed DOFs that no free one is coupled to do not.
     """
-    free = np.ones(len(system.rigid))
-    free[fixed] = 0.0
-    holding = fixed[(abs(system.K) @ free)[fixed] > 0]
     size = np.max(np.abs(system.rigid), axis=0)
     R = system.rigid[:, size > 0] / size[size > 0]
-    Phi = R @ _preferring_first(_vanishing_at(R[holding]))
+    Phi = R @ _preferring_first(vanishing_at(R[holding(system.K, fixed)]))
     Phi[fixed] = 0.0
-    Phi = _m_orthonormal(Phi, system.M)
+    none = Phi[:, :0]
+    Phi = extended(none, Phi, system.M, HELD)
     _, X = np.linalg.eigh(Phi.T @ (system.K @ Phi))
-    left = without_energy(system.K, Phi @ X)
+    left = without_energy(system.K, Phi @ X, system.precision)
     if left.all():
         return Phi
-    return _m_orthonormal(Phi @ _preferring_first(X[:, left]), system.M)
+    return extended(none, Phi @ _preferring_first(X[:, left]), system.M, HELD)
 
 
-def _vanishing_at(S: Floats) -> Floats:
+def holding(K: csr_array, fixed: Ints) -> Ints:
+    """Those fixed DOFs that a free one is coupled to."""
+    free = np.ones(K.shape[0])
+    free[fixed] = 0.0
+    return np.asarray(fixed[(abs(K) @ free)[fixed] > 0])
+
+
+def vanishing_at(S: Floats) -> Floats:
     """An orthonormal basis (c, k) of the combinations x with S x = 0, S (s, c) of entries up to 1."""
     c = S.shape[1]
     if len(S) == 0 or c == 0:
@@ -59,16 +65,3 @@ def _preferring_first(N: Floats) -> Floats:
         rows[others] -= np.outer(rows[others, column], rows[done])
         done += 1
     return np.asarray(rows[:done].T)
-
-
-def _m_orthonormal(Y: Floats, M: csr_array) -> Floats:
-    """Gram–Schmidt in the order given, twice for rounding; dependent and massless columns are dropped."""
-    basis = np.zeros((len(Y), 0))
-    for y in Y.T:
-        whole = np.sqrt(y @ (M @ y))
-        for _ in range(2):
-            y = y - basis @ (basis.T @ (M @ y))
-        norm = np.sqrt(y @ (M @ y))
-        if norm > HELD * whole:
-            basis = np.column_stack([basis, y / norm])
-    return basis

@@ -9,7 +9,8 @@ from fmu_src.native_library import native_libraries
 from fmu_src.toolchain import platforms_of
 
 from .errors import ModalFmuError
-from .pipeline import Builder, Progress
+from .full_part import Progress
+from .pipeline import Builder
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,7 @@
 """Which nodes a support or a port takes, which cells a material takes."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -10,7 +9,9 @@ import numpy as np
 from .arrays import Bools, Floats, Ints
 from .errors import SelectionError
 from .mesh import Mesh
+from .node_table import COORDINATES
 from .notice import warning
+from .set_names import Source, choice, sets_of, shortened, spelled
 
 TOLERANCE = 1e-6  # of the mesh's diagonal: far above rounding of a file's digits, far below any cell
 FAR = 1e-2  # of the diagonal: a nearest node farther away than this is probably not the one meant
@@ -56,30 +57,32 @@ class Nodes:
 Selection: TypeAlias = NamedSet | Point | Box | Plane | Nodes
 
 
-def select_nodes(mesh: Mesh, at: Selection | str, scale: float) -> Ints:
-    """Rows of mesh.points that `at` selects, sorted and unique, at least one.
+def select_nodes(source: Source, at: Selection | str, scale: float) -> Ints:
+    """Rows of source.points that `at` selects, sorted and unique, at least one.
 
     scale: metres per unit of the coordinates in `at` (UNITS[length_unit] of read_mesh).
     Boxes and planes include what lies within 1e-6 of the mesh's diagonal. A plain str is a NamedSet.
-    Raises SelectionError, beginning with what was selected: nothing matches, a node number does not exist.
+    Nodes whose place is not known are selected by their numbers and sets only.
+    Raises SelectionError, beginning with what was selected: nothing matches, a node number does not exist, a
+    place is asked for and none is known.
     """
     match at:
         case str(name) | NamedSet(name):
-            return _named(mesh, name)
+            return _named(source, name)
         case Point(p):
-            return _nearest(mesh, np.array(p, float), scale)
+            return _nearest(source, np.array(p, float), scale)
         case Box(low, high):
-            tolerance = TOLERANCE * mesh.diagonal
-            above = mesh.points >= np.array(low, float) * scale - tolerance
-            below = mesh.points <= np.array(high, float) * scale + tolerance
-            return _inside(mesh, np.all(above & below, axis=1), f"box {list(low)} to {list(high)}", scale)
+            what = f"box {list(low)} to {list(high)}"
+            tolerance = TOLERANCE * _diagonal(source, what)
+            above = source.points >= np.array(low, float) * scale - tolerance
+            below = source.points <= np.array(high, float) * scale + tolerance
+            return _inside(source, np.all(above & below, axis=1), what, scale)
         case Plane(normal, position):
-            offset = mesh.points[:, "xyz".index(normal)] - position * scale
-            return _inside(
-                mesh, abs(offset) <= TOLERANCE * mesh.diagonal, f"plane {normal} = {position:g}", scale
-            )
+            what = f"plane {normal} = {position:g}"
+            offset = source.points[:, "xyz".index(normal)] - position * scale
+            return _inside(source, abs(offset) <= TOLERANCE * _diagonal(source, what), what, scale)
         case Nodes(ids):
-            return _numbered(mesh, np.unique(np.array(ids, np.int64)))
+            return _numbered(source, np.unique(np.array(ids, np.int64)))
 
 
 def select_cells(mesh: Mesh, name: str) -> Mapping[str, Ints]:
@@ -87,96 +90,76 @@ def select_cells(mesh: Mesh, name: str) -> Mapping[str, Ints]:
 
     Raises SelectionError where no cell set has the name.
     """
-    known = _lookup(name, mesh.cell_sets)
+    known = spelled(name, mesh.cell_sets)
     if known is not None:
         return mesh.cell_sets[known]
-    if _lookup(name, mesh.node_sets) is not None:
+    if spelled(name, mesh.node_sets) is not None:
         raise SelectionError(
-            f"set {name!r} has nodes but no solid cells; {_choice('cell set', mesh.cell_sets, name)}"
+            f"set {name!r} has nodes but no solid cells; {choice('cell set', mesh.cell_sets, name)}"
         )
-    raise SelectionError(f"no cell set is named {name!r}; {_choice('cell set', mesh.cell_sets, name)}")
+    raise SelectionError(f"no cell set is named {name!r}; {choice('cell set', mesh.cell_sets, name)}")
 
 
-def _named(mesh: Mesh, name: str) -> Ints:
-    known = _lookup(name, mesh.node_sets)
+def _named(source: Source, name: str) -> Ints:
+    known = spelled(name, source.node_sets)
     if known is not None:
-        nodes = mesh.node_sets[known]
+        nodes = source.node_sets[known]
     else:
-        known = _lookup(name, mesh.cell_sets)
+        known = spelled(name, source.cell_sets)
         if known is None:
-            names = [*mesh.node_sets, *(n for n in mesh.cell_sets if n not in mesh.node_sets)]
-            raise SelectionError(f"no set is named {name!r}; {_choice('set', names, name)}")
-        rows = [mesh.cells[family][cells].ravel() for family, cells in mesh.cell_sets[known].items()]
+            raise SelectionError(f"no set is named {name!r}; {sets_of(source, name)}")
+        rows = [source.cells[family][cells].ravel() for family, cells in source.cell_sets[known].items()]
         nodes = np.unique(np.concatenate(rows)) if rows else np.zeros(0, np.int64)
     if not nodes.size:
-        raise SelectionError(f"set {known!r} has no node in a solid cell; {_sets(mesh)}")
+        raise SelectionError(f"set {known!r} has no node in a solid cell; {sets_of(source)}")
     return nodes
 
 
-def _nearest(mesh: Mesh, p: Floats, scale: float) -> Ints:
+def _nearest(source: Source, p: Floats, scale: float) -> Ints:
     """argmin_i |p_i − p|, the first of equals."""
-    distance = np.linalg.norm(mesh.points - p * scale, axis=1)
-    row = int(np.argmin(distance))
-    if distance[row] > FAR * mesh.diagonal:
+    diagonal = _diagonal(source, f"point {_coordinates(p)}")
+    distance = np.linalg.norm(source.points - p * scale, axis=1)
+    row = int(np.nanargmin(distance))
+    if distance[row] > FAR * diagonal:
         warning(
-            f"point {_coordinates(p)}: the nearest node, {mesh.node_ids[row]} at "
-            f"{_coordinates(mesh.points[row] / scale)}, is {distance[row] / scale:.4g} away, "
-            f"{distance[row] / mesh.diagonal:.0%} of the mesh's diagonal; is the point in its length unit?"
+            f"point {_coordinates(p)}: the nearest node, {source.node_ids[row]} at "
+            f"{_coordinates(source.points[row] / scale)}, is {distance[row] / scale:.4g} away, "
+            f"{distance[row] / diagonal:.0%} of the mesh's diagonal; is the point in its length unit?"
         )
     return np.array([row], np.int64)
 
 
-def _inside(mesh: Mesh, inside: Bools, what: str, scale: float) -> Ints:
+def _inside(source: Source, inside: Bools, what: str, scale: float) -> Ints:
     nodes = np.flatnonzero(inside).astype(np.int64)
     if not nodes.size:
-        low, high = mesh.bounds / scale
+        low, high = np.nanmin(source.points, axis=0) / scale, np.nanmax(source.points, axis=0) / scale
         raise SelectionError(
             f"{what} holds no node; the mesh reaches from {_coordinates(low)} to {_coordinates(high)} "
-            f"in its length unit; {_sets(mesh)}"
+            f"in its length unit; {sets_of(source)}"
         )
     return nodes
 
 
-def _numbered(mesh: Mesh, ids: Ints) -> Ints:
-    rows = np.flatnonzero(np.isin(mesh.node_ids, ids)).astype(np.int64)
-    missing = np.setdiff1d(ids, mesh.node_ids[rows])
-    if missing.size or not rows.size:
+def _diagonal(source: Source, what: str) -> float:
+    """Length of the diagonal of the box around the nodes, m."""
+    if np.isnan(source.points).all():
         raise SelectionError(
-            f"nodes {_shortened(missing.tolist())} are in no solid cell of the mesh; its numbers lie between "
-            f"{mesh.node_ids.min()} and {mesh.node_ids.max()}; {_sets(mesh)}"
+            f"{what}: got matrices without coordinates, so that no node has a place; select by"
+            f" nodes = [numbers], or {COORDINATES}"
+        )
+    return float(np.linalg.norm(np.nanmax(source.points, axis=0) - np.nanmin(source.points, axis=0)))
+
+
+def _numbered(source: Source, ids: Ints) -> Ints:
+    rows = np.flatnonzero(np.isin(source.node_ids, ids)).astype(np.int64)
+    missing = np.setdiff1d(ids, source.node_ids[rows])
+    if missing.size or not rows.size:
+        where = "in no solid cell of the mesh; its" if source.cells else "not in the matrices; their"
+        raise SelectionError(
+            f"got nodes {shortened(missing.tolist())}, {where} numbers lie between "
+            f"{source.node_ids.min()} and {source.node_ids.max()}; {sets_of(source)}"
         )
     return rows
-
-
-def _lookup(name: str, names: Iterable[str]) -> str | None:
-    """The name as the mesh spells it; decks know no case, so one that differs in case alone will do."""
-    names = list(names)
-    if name in names:
-        return name
-    alike = [known for known in names if known.casefold() == name.casefold()]
-    return alike[0] if len(alike) == 1 else None
-
-
-def _sets(mesh: Mesh) -> str:
-    return _choice("set", list(dict.fromkeys([*mesh.node_sets, *mesh.cell_sets])), "")
-
-
-def _choice(what: str, names: Iterable[str], wanted: str) -> str:
-    """did you mean 'clamp'? the mesh has the sets 'clamp', 'tip'."""
-    names = sorted(names)
-    if not names:
-        return (
-            f"the mesh has no {what}: name groups where it is made, or select by point, box, plane or nodes"
-        )
-    near = get_close_matches(wanted.casefold(), [name.casefold() for name in names], n=1)
-    meant = [name for name in names if near and name.casefold() == near[0]]
-    hint = f"did you mean {meant[0]!r}? " if meant else ""
-    return f"{hint}the mesh has the {what}s {_shortened([repr(name) for name in names])}"
-
-
-def _shortened(items: list[str] | list[int], most: int = 20) -> str:
-    more = f" … ({len(items)} in all)" if len(items) > most else ""
-    return ", ".join(map(str, items[:most])) + more
 
 
 def _coordinates(p: Floats) -> str:

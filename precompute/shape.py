@@ -30,16 +30,15 @@ class Shape:
 
 
 def surface_shape(mesh: Mesh, Phi: Floats) -> Shape:
-    """The exterior faces of the mesh with the mode shapes at their nodes; Phi: (3n, r)."""
+    """The exterior faces of the mesh with the mode shapes at their nodes; Phi: (n, 3, r)."""
     faces = exterior_faces(mesh)
     nodes = np.unique(np.concatenate([f.ravel() for f in faces.values()]))
     place = np.zeros(len(mesh.points), dtype=np.int64)
     place[nodes] = np.arange(len(nodes))
-    r = Phi.shape[1]
     return Shape(
         mesh.points[nodes],
         {family: place[f] for family, f in faces.items()},
-        Phi.reshape(-1, 3, r)[nodes].astype(np.float32),
+        Phi[nodes].astype(np.float32),
     )
 
 

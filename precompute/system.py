@@ -7,26 +7,33 @@ from scipy.sparse import csr_array
 
 from .arrays import Floats
 from .errors import ModalFmuError
+from .rounding import EPS
 
 
 @dataclass(frozen=True)
 class System:
-    """M ü + D u̇ + K u = F [2.16] before supports, D from the damping.
+    """M ü + D u̇ + K u = F [2.16] before supports.
 
     M, K: (n, n) sparse symmetric, kg and N/m, sorted indices; DOF 3·node + direction of a mesh.
+    D: (n, n) N·s/m, symmetric ≥ 0, the damping that is neither α M + β K nor modal; none where there is none.
     rigid: (n, 6), the translations x, y, z and the rotations about x, y, z of the undeformed body
     about its centre of gravity (or any one point), in the same DOFs.
+    precision: relative, of the entries of K; that of double precision unless a file prints fewer digits.
     """
 
     M: csr_array
     K: csr_array
     rigid: Floats
+    D: csr_array | None = None
+    precision: float = EPS
 
     def __post_init__(self) -> None:
         n = self.K.shape[0]
-        if self.K.shape != (n, n) or self.M.shape != (n, n) or self.rigid.shape != (n, 6):
+        square = all(A.shape == (n, n) for A in (self.K, self.M, self.D) if A is not None)
+        if not square or self.rigid.shape != (n, 6):
             raise ModalFmuError(
-                f"System: got K {self.K.shape}, M {self.M.shape}, rigid {self.rigid.shape}; "
+                f"System: got K {self.K.shape}, M {self.M.shape}, rigid {self.rigid.shape}"
+                f"{'' if self.D is None else f', D {self.D.shape}'}; "
                 f"expected (n, n), (n, n), (n, 6) with one n"
             )
 

@@ -11,11 +11,11 @@ Elements of arrays are counted from 1.
 import difflib
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError, model_validator
 from pydantic.functional_validators import ModelWrapValidatorHandler
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
@@ -23,6 +23,7 @@ from .errors import PartError
 
 _MISTAKE = "mistake"  # types of errors that are already in words
 _UNKNOWN_KEY = "unknown_key"
+_UNKNOWN_TEXT = "unknown_text"
 
 
 class Table(BaseModel):
@@ -48,9 +49,12 @@ Item = TypeVar("Item")
 
 
 def validated(table: type[TableType], data: dict[str, Any], path: Path) -> TableType:
-    """`data`, read from the file `path`, as `table`; PartError tells the first mistake in one line."""
+    """`data`, read from the file `path`, as `table`; PartError tells the first mistake in one line.
+
+    The context of the validation is the file's folder.
+    """
     try:
-        return table.model_validate(data)
+        return table.model_validate(data, context=path.absolute().parent)
     except ValidationError as error:
         # An unknown key goes first: misspelt, it also makes the right one missing.
         mistakes = sorted(error.errors(), key=lambda details: details["type"] != _UNKNOWN_KEY)
@@ -73,11 +77,28 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The one of `known`, of which there is one at least, that `word` was probably meant to be."""
+    # The cutoff 0 always finds one; a word of more than 40 characters is no slip of the pen.
+    return difflib.get_close_matches(word[:40].lower(), known, n=1, cutoff=0.0)[0]
+
+
 def not_empty(items: tuple[Item, ...]) -> tuple[Item, ...]:
     """Raise for an empty list; unlike pydantic's min_length, only for what was empty in the file."""
     if not items:
         raise ValueError(items)
     return items
+
+
+def one_of(known: Sequence[str]) -> AfterValidator:
+    """The validator of a text that must be one of `known`; the nearest of them is named where it is not."""
+
+    def check(text: str) -> str:
+        if text not in known:
+            raise PydanticCustomError(_UNKNOWN_TEXT, "unknown text", {"known": known})
+        return text
+
+    return AfterValidator(check)
 
 
 def exactly_one(given: list[str], known: str) -> None:
@@ -99,15 +120,15 @@ def _in_words(table: type[Table], error: ErrorDetails) -> InitErrorDetails:
     words = f"{'missing' if kind == 'missing' else f'got {shown(got)}'}, expected {field.description}"
     if isinstance(got, str) and kind in ("float_type", "int_type"):
         words += "; remove the quotes"
+    elif kind == _UNKNOWN_TEXT:
+        words += f"; did you mean {nearest(got, error['ctx']['known'])}?"
     elif field.examples:
         words += f"; write e.g. {field.examples[0]}"
     return _details(_MISTAKE, words, place)
 
 
 def _unknown(key: str, known: list[str]) -> str:
-    # The cutoff 0 always finds one; a key of more than 40 characters is no slip of the pen.
-    nearest = difflib.get_close_matches(key[:40].lower(), known, n=1, cutoff=0.0)[0]
-    return f"unknown key, expected one of {', '.join(known)}; did you mean {nearest}?"
+    return f"unknown key, expected one of {', '.join(known)}; did you mean {nearest(key, known)}?"
 
 
 def _details(kind: str, words: str, place: tuple[str | int, ...]) -> InitErrorDetails:

@@ -1,6 +1,7 @@
 """Motions without strain energy beyond the rigid ones of the whole body: an error with number and place."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -11,7 +12,7 @@ from .canonical import canonical_vectors
 from .errors import EigenError, ZeroEnergyError
 from .pencil import NEGATIVE, Pairs, Pencil
 from .rigid import rigid_modes
-from .rounding import ZERO, energies
+from .rounding import EPS, ZERO, energies
 from .system import System
 
 SHOWN = 3  # places in a message
@@ -56,7 +57,7 @@ def refuse_mechanisms(pencil: Pencil, elastic: Pairs, free: Ints, where: Where) 
 
     free: (n,) the DOF of each row of the pencil. A place is where such a motion is largest.
     """
-    energy, rounding = energies(pencil.K, elastic.Phi)
+    energy, rounding = energies(pencil.K, elastic.Phi, pencil.precision)
     if np.any(energy < -ZERO * rounding):
         raise EigenError(NEGATIVE)
     zero = energy <= ZERO * rounding
@@ -65,12 +66,18 @@ def refuse_mechanisms(pencil: Pencil, elastic: Pairs, free: Ints, where: Where) 
         raise ZeroEnergyError(
             f"{_modes(Phi.shape[1])} beyond the {pencil.rigid.shape[1]} rigid ones, "
             f"{_places(free[np.argmax(np.abs(Phi), axis=0)], where)}: a hinge, or a piece held by too few "
-            f"nodes; connect it over faces or support it"
+            f"nodes; connect it over faces or support it{_few_digits(pencil)}"
         )
 
 
+def _few_digits(pencil: Pencil) -> str:
+    return "; or K was written with too few digits: export it with more" if pencil.precision > EPS else ""
+
+
 def _piece(system: System, dofs: Ints) -> System:
-    return System(system.M[dofs][:, dofs], system.K[dofs][:, dofs], system.rigid[dofs])
+    return replace(
+        system, M=system.M[dofs][:, dofs], K=system.K[dofs][:, dofs], D=None, rigid=system.rigid[dofs]
+    )
 
 
 def _modes(number: int) -> str:

@@ -3,10 +3,18 @@
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from fmu_src.runtime.model import Port, ReducedModel
+from fmu_src.runtime.kinds import ROWS, outputs_of
+from fmu_src.runtime.model import Port, ReducedModel, row_starts
+
+
+def _model(given: dict[str, Any]) -> ReducedModel:
+    """Without feed-through where none is given."""
+    s, m = len(given["C"]), given["B"].shape[1]
+    return ReducedModel(**{"R": np.zeros((s, m)), "R_in": np.zeros((m, m)), **given})
 
 
 def oscillator(
@@ -30,7 +38,7 @@ def oscillator(
         "C": np.repeat(shape, 3, axis=0),
         "ports": (Port("tip", ("force.x",), outputs),),
     }
-    return ReducedModel(**{**given, **changes})  # type: ignore[arg-type]  # a table of keyword arguments
+    return _model({**given, **changes})
 
 
 def two_ports(name: str = "two_ports", **changes: object) -> ReducedModel:
@@ -51,7 +59,55 @@ def two_ports(name: str = "two_ports", **changes: object) -> ReducedModel:
             Port("right", ("force.y",), ("acceleration.y", "displacement.y")),
         ),
     }
-    return ReducedModel(**{**given, **changes})  # type: ignore[arg-type]  # a table of keyword arguments
+    return _model({**given, **changes})
+
+
+EVERYTHING = (
+    Port(
+        "left",
+        ("force.x", "moment.z", "pressure"),
+        ("displacement.x", "rotation.z", "velocity.x", "angular_velocity.z", "stress.mises", "stress.xy"),
+    ),
+    Port("right", ("force.y",), ("acceleration.y", "angular_acceleration.x", "absolute_acceleration.z")),
+    Port("gap", (), ("displacement.x",)),
+    Port("clamp", (), ("reaction.x", "reaction.z")),
+    Port("gravity", ("z",), ()),
+    Port("base", ("acceleration.x", "acceleration.z"), ()),
+    Port("energy", (), ("kinetic", "strain")),
+)
+
+
+def everything(name: str = "everything", *, coupled: bool = True, **changes: object) -> ReducedModel:
+    """Seven modes, two of them rigid, between ports with every kind of input and output; five are coupled."""
+    lam = np.array([0.0, 0.0, 30.0, 30.0, 400.0, 9000.0, 2e4])
+    rng = np.random.default_rng(11)
+    D_rest = np.diag([0.0, 0.1, 0.0, 0.5, 0.0, 300.0, 2.0])
+    if coupled:
+        w = rng.standard_normal((7, 2)) * (3.0, 0.2)
+        w[[1, 3]] = 0.0
+        D_rest += w @ w.T
+    S = rng.standard_normal((7, 7))
+    rows = sum(ROWS[law] for law in LAWS)
+    R = 1e-3 * rng.standard_normal((rows, 7))
+    R[row_starts(LAWS)[10] + 1 :: 2][:2] = 0.0  # the rows of the reactions' velocities have no feed-through
+    given = {
+        "name": name,
+        "description": "every kind of input and output",
+        "lam": lam,
+        "alpha": 0.3,
+        "beta": 1e-3,
+        "D_rest": D_rest,
+        "B": rng.standard_normal((7, 7)),
+        "C": rng.standard_normal((rows, 7)),
+        "R": R,
+        "R_in": 1e-3 * (S @ S.T),
+        "ports": EVERYTHING,
+        "residual": True,
+    }
+    return _model({**given, **changes})
+
+
+LAWS = tuple(outputs_of(port.name)[key].law for port in EVERYTHING for key in port.outputs)
 
 
 def run_master(script: str, *arguments: object, cwd: Path) -> str:

@@ -15,7 +15,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from examples import two_ports
+from examples import everything
 from native_fmu import native_fmu
 from native_library import TESTS, compile_into
 
@@ -37,7 +37,7 @@ def main() -> int:
     sound = True
     with tempfile.TemporaryDirectory() as folder:
         if shutil.which("valgrind") and shutil.which("gcc"):
-            library = next((native_fmu(two_ports).folder / "binaries").glob("*/*.so"))
+            library = next((native_fmu(everything).folder / "binaries").glob("*/*.so"))
             program = compile_into(Path(folder), "lives", [LIVES, library], lives_flags(), ["gcc"])
             sound &= run("valgrind", [*VALGRIND, str(program)], instances, threads=1)
         if shutil.which("clang"):
@@ -58,7 +58,7 @@ def lives_flags() -> list[str]:
 
 
 def lives_arguments(instances: int, threads: int) -> list[str]:
-    fmu = native_fmu(two_ports)
+    fmu = native_fmu(everything)
     sizes = (fmu.modes, len(fmu.inputs), len(fmu.outputs), instances, threads)
     return [fmu.guid, fmu.resources, *map(str, sizes)]
 

@@ -58,7 +58,7 @@ def written(files: Mapping[str, bytes], resources: Path) -> Path:
 
 
 def assert_same(native: NativeModel, model: ReducedModel) -> None:
-    for key in ("name", "alpha", "beta", "inputs", "outputs", "output_kinds", "initial"):
+    for key in ("name", "alpha", "beta", "inputs", "outputs", "laws", "residual", "initial"):
         assert getattr(native, key) == getattr(model, key), key
     for key in ARRAYS:
         np.testing.assert_array_equal(getattr(native, key), getattr(model, key), strict=True)

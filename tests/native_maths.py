@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 from native_library import TESTS, native_library
 
+from fmu_src.runtime.coupled import CoupledPropagator
 from fmu_src.runtime.model import Floats
 from fmu_src.runtime.propagator import Propagator
 
@@ -30,10 +31,9 @@ class COutputs(ctypes.Structure):
     """Outputs of kernels.h"""
 
     _fields_ = (
-        ("C", Doubles),
-        ("length", c_size_t),
+        ("row", POINTER(Doubles)),
         ("n", c_size_t),
-        ("kinds", POINTER(c_int)),
+        ("law", POINTER(c_int)),
         ("motion", POINTER(Doubles)),
     )
 
@@ -67,6 +67,9 @@ class Kernels(ctypes.Structure):
             "outputs",
             ctypes.CFUNCTYPE(None, POINTER(COutputs), c_size_t, POINTER(c_uint), c_uint, c_size_t, Doubles),
         ),
+        ("dot", ctypes.CFUNCTYPE(c_double, Doubles, Doubles, c_size_t)),
+        ("coupled", ctypes.CFUNCTYPE(None, *7 * [Doubles], c_size_t, c_size_t)),
+        ("multiply", ctypes.CFUNCTYPE(None, *3 * [Doubles], c_size_t, c_size_t)),
     )
 
 
@@ -74,11 +77,12 @@ class Run(ctypes.Structure):
     """Run of native/maths.c"""
 
     _fields_ = (
-        *((name, c_size_t) for name in ("r", "m", "p", "steps")),
-        *((name, c_void_p) for name in ("lam", "D_rest", "B", "C", "u", "h", "kinds")),
+        *((name, c_size_t) for name in ("r", "m", "p", "s", "steps")),
+        *((name, c_void_p) for name in ("lam", "D_rest", "B", "C", "R", "R_in", "u", "h", "laws", "active")),
         ("alpha", c_double),
         ("beta", c_double),
         ("initial_static", c_int),
+        ("residual", c_int),
         ("held", c_int),
     )
 
@@ -87,7 +91,15 @@ class Run(ctypes.Structure):
 def maths() -> ctypes.CDLL:
     library = native_library("maths", (TESTS / "maths.c",), FAST)
     library.coefficients.argtypes = (c_void_p, c_void_p, c_size_t, c_double, c_void_p)
-    library.coefficients.restype = None
+    library.coupled_coefficients_of.argtypes = (
+        c_void_p,
+        c_void_p,
+        c_size_t,
+        c_double,
+        POINTER(Kernels),
+        c_void_p,
+    )
+    library.coefficients.restype = library.coupled_coefficients_of.restype = None
     library.usable_kernels.restype = library.run_steps.restype = c_size_t
     return library
 
@@ -97,6 +109,17 @@ def native_propagator(lam: Floats, d: Floats, h: float) -> Propagator:
     lam, d = np.ascontiguousarray(lam), np.ascontiguousarray(d)
     maths().coefficients(lam.ctypes.data, d.ctypes.data, len(lam), h, rows.ctypes.data)
     return Propagator(h, *rows)
+
+
+def native_coupled(lam: Floats, D: Floats, h: float, kernels: Kernels | None = None) -> CoupledPropagator:
+    """In the form of the Python twin: E11 = I − G₀Λ, E21 = −E12 Λ, E22 = I + N."""
+    g = len(lam)
+    found = np.full((5, g, g), np.nan)
+    lam, D = np.ascontiguousarray(lam), np.ascontiguousarray(D)
+    table = ctypes.byref(kernels or kernel_tables()[-1])
+    maths().coupled_coefficients_of(lam.ctypes.data, D.ctypes.data, g, h, table, found.ctypes.data)
+    E12, N, G0, G1, G2 = found
+    return CoupledPropagator(np.eye(g) - G0 * lam, E12, -E12 * lam, np.eye(g) + N, G0, G1, G2)
 
 
 def kernel_tables() -> list[Kernels]:

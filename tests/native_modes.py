@@ -5,7 +5,7 @@ import math
 from typing import Any
 
 import numpy as np
-from examples import two_ports
+from examples import everything, two_ports
 from fmpy.fmi2 import calloc, free
 from native_fmu import (
     CO_SIMULATION,
@@ -32,6 +32,12 @@ NOT_FINITE = [math.nan, math.inf, -math.inf]
 def elastic_ports(initial: str) -> ReducedModel:
     lam = np.array([3.0, 8.0, 30.0, 30.0, 400.0, 9000.0])
     return two_ports(f"elastic_{initial}", lam=lam, initial=initial)
+
+
+def elastic_everything(initial: str) -> ReducedModel:
+    """Every law, feed-through, coupled modes; what is off follows statically."""
+    lam = np.array([3.0, 8.0, 30.0, 30.0, 400.0, 9000.0, 2e4])
+    return everything(f"elastic_everything_{initial}", lam=lam, initial=initial)
 
 
 def instance_in(kind: int, mode: str, host: Host | None = None) -> Instance:

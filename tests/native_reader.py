@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from native_library import TESTS, native_library
 
+from fmu_src.runtime.kinds import Law
 from fmu_src.runtime.model import Floats
 
 READER = (
@@ -18,6 +19,8 @@ READER = (
     "json_scalars.c",
     "sha256.c",
     "npy.c",
+    "model.c",
+    "kinds.c",
     "ports.c",
     "header.c",
     "resources.c",
@@ -27,7 +30,15 @@ READER = (
 HELPERS = (TESTS / "counting_memory.c", TESTS / "memory_files.c")
 CHECKED = ("-g", "-fsanitize=undefined", "-fno-sanitize-recover=all")
 FOREVER = ctypes.c_size_t(-1)
-KINDS = ("displacement", "velocity", "acceleration")
+LAWS: tuple[Law, ...] = (
+    "position",
+    "velocity",
+    "acceleration",
+    "reaction",
+    "mises",
+    "kinetic",
+    "strain",
+)  # of model.h
 
 
 class Refused(Exception):
@@ -73,12 +84,13 @@ class Files(ctypes.Structure):
 class CModel(ctypes.Structure):
     _fields_ = (
         ("name", ctypes.c_char_p),
-        *((key, ctypes.c_size_t) for key in ("r", "m", "p")),
+        *((key, ctypes.c_size_t) for key in ("r", "m", "p", "s")),
         ("lam", ctypes.POINTER(ctypes.c_double)),
         *((key, ctypes.c_double) for key in ("alpha", "beta")),
-        *((key, ctypes.POINTER(ctypes.c_double)) for key in ("D_rest", "B", "C")),
+        *((key, ctypes.POINTER(ctypes.c_double)) for key in ("D_rest", "B", "C", "R", "R_in")),
         *((key, ctypes.POINTER(ctypes.c_char_p)) for key in ("inputs", "outputs")),
-        ("output_kinds", ctypes.POINTER(ctypes.c_int)),
+        ("laws", ctypes.POINTER(ctypes.c_int)),
+        ("residual", ctypes.c_bool),
         ("initial_static", ctypes.c_bool),
     )
 
@@ -94,9 +106,12 @@ class NativeModel:
     D_rest: Floats
     B: Floats
     C: Floats
+    R: Floats
+    R_in: Floats
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
-    output_kinds: tuple[str, ...]
+    laws: tuple[Law, ...]
+    residual: bool
     initial: str
 
 
@@ -206,7 +221,7 @@ def _copy(model: CModel) -> NativeModel:
             return np.empty(shape)
         return np.ctypeslib.as_array(values, shape).copy()
 
-    r, m, p = model.r, model.m, model.p
+    r, m, p, s = model.r, model.m, model.p, model.s
     return NativeModel(
         name=model.name.decode(),
         lam=array(model.lam, r),
@@ -214,10 +229,13 @@ def _copy(model: CModel) -> NativeModel:
         beta=model.beta,
         D_rest=array(model.D_rest, r, r),
         B=array(model.B, r, m),
-        C=array(model.C, p, r),
+        C=array(model.C, s, r),
+        R=array(model.R, s, m),
+        R_in=array(model.R_in, m, m),
         inputs=tuple(model.inputs[k].decode() for k in range(m)),
         outputs=tuple(model.outputs[k].decode() for k in range(p)),
-        output_kinds=tuple(KINDS[model.output_kinds[k]] for k in range(p)),
+        laws=tuple(LAWS[model.laws[k]] for k in range(p)),
+        residual=model.residual,
         initial="static" if model.initial_static else "rest",
     )
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from itertools import chain
 
 import numpy as np
-from examples import two_ports
+from examples import everything, two_ports
 from native_fmu import CO_SIMULATION, MODEL_EXCHANGE, OK, Instance, NativeFmu
 from ready_parts import reduction
 
@@ -38,6 +38,11 @@ def gaps_static() -> ReducedModel:
     return gaps("static")
 
 
+def everything_static() -> ReducedModel:
+    """Every law, feed-through, and coupled modes, from equilibrium."""
+    return everything(lam=np.array([*ELASTIC, 2e4]), initial="static")
+
+
 def cantilever() -> ReducedModel:
     return reduction("cantilever").model
 
@@ -47,6 +52,8 @@ MODELS: Mapping[str, Callable[[], ReducedModel]] = {
     "static": static,
     "gaps": gaps_at_rest,
     "gaps static": gaps_static,
+    "everything": everything,
+    "everything static": everything_static,
     "cantilever": cantilever,
 }
 
@@ -97,8 +104,12 @@ def initialising(fmu: NativeFmu, values: Mapping[str, float]) -> Instance:
 
 
 def stepping(fmu: NativeFmu, values: Mapping[str, float]) -> Instance:
-    """At a communication point; of the states those with start values."""
-    part = initialising(fmu, {k: v for k, v in values.items() if k not in inputs(fmu)})
+    """At a communication point; of the states those with start values.
+
+    With inputs given, a static start is that of other inputs.
+    """
+    start = dict.fromkeys(inputs(fmu), 0.7) if values.keys() & {*inputs(fmu)} else {}
+    part = initialising(fmu, {**values, **start})
     part.must("ExitInitializationMode")
     assert part.set({k: v for k, v in values.items() if k in inputs(fmu)}) == OK
     return part

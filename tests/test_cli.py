@@ -17,6 +17,8 @@ from small_part import CELLS, DENSITY, LENGTH, WIDTH, YOUNG, bar, beside, write_
 from fmu_src import native_library
 from fmu_src.toolchain import host_platform
 from precompute.cli import main
+from precompute.console import notices
+from precompute.notice import notice, warning
 
 STEEL = f'name = "steel"\nyoung = {YOUNG}\npoisson = 0.0\ndensity = {DENSITY}\n'
 
@@ -59,7 +61,7 @@ def test_json_is_one_object_and_right(tmp_path: Path) -> None:
     found = json.loads(done.stdout)
     assert set(found) == {
         *("frequencies", "damping_ratios", "rigid_body_modes", "effective_mass"),
-        *("total_mass", "dofs", "solver"),
+        *("total_mass", "dominance", "dofs", "solver"),
     }
     a, ka = LENGTH / CELLS, np.pi / (2 * CELLS)
     omega = np.sqrt(6 * YOUNG / DENSITY * (1 - np.cos(ka)) / (2 + np.cos(ka))) / a
@@ -223,7 +225,7 @@ def test_a_fault_of_ours_keeps_its_traceback(tmp_path: Path, monkeypatch: pytest
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("precompute.pipeline.solve_modes", broken)
+    monkeypatch.setattr("precompute.reduced_basis.solve_modes", broken)
     with pytest.raises(ZeroDivisionError):
         main(["modes", str(write_part(tmp_path))])
 
@@ -234,7 +236,7 @@ def test_ctrl_c_is_one_line(
     def pressed(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("precompute.pipeline.solve_modes", pressed)
+    monkeypatch.setattr("precompute.reduced_basis.solve_modes", pressed)
     assert main(["modes", str(write_part(tmp_path))]) == 130
     assert capsys.readouterr().err.splitlines()[-1] == "error: interrupted"
 
@@ -394,6 +396,15 @@ def test_an_older_fmu_survives_a_failed_build(tmp_path: Path, capsys: pytest.Cap
     fmu.write_bytes(b"the older one")
     refused(capsys, "build", write_part(tmp_path, ("count = 8", "count = 800")), "-o", fmu)
     assert fmu.read_bytes() == b"the older one"
+
+
+def test_what_was_said_is_not_said_again(capsys: pytest.CaptureFixture[str]) -> None:
+    """A stage that runs twice, as the search for an error does, repeats its notices."""
+    with notices():
+        for text in ("K is soft", "M is small", "K is soft"):
+            notice(text)
+        warning("K is soft")
+    assert capsys.readouterr().err == "note: K is soft\nnote: M is small\nwarning: K is soft\n"
 
 
 def test_exit_code_and_streams_of_the_process(tmp_path: Path) -> None:

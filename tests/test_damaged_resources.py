@@ -63,4 +63,5 @@ def test_headers_with_a_right_checksum_are_judged_alike(tmp_path: Path) -> None:
         else:
             assert_same(read_native(in_memory(changed)), model)
             accepted += 1
-    assert 0 < accepted < len(text)  # white space, the description, digits of alpha, letters of names
+    # white space, the description, units, digits of alpha, letters of names: of nine changes per byte a few
+    assert 0 < accepted < 2 * len(text)

@@ -1,13 +1,21 @@
-"""Exterior faces: closed, outward, with the areas of known surfaces and the weights of known faces."""
+"""Exterior faces: closed, outward; areas, normals and shares of known surfaces and faces."""
 
 import numpy as np
 import pytest
 from boxes import box, joined, mapped, mesh_of
 
 from precompute.arrays import Floats, Ints
-from precompute.cell_matrices import jacobians
-from precompute.elements import FACE_RULES
-from precompute.faces import CELL_FACES, area_weights, exterior_faces, node_areas
+from precompute.cell_matrices import determinants, jacobians
+from precompute.elements import ELEMENTS, FACE_RULES
+from precompute.faces import (
+    CELL_FACES,
+    exterior_faces,
+    nodal_sums,
+    node_areas,
+    node_normals,
+    node_shares,
+    whole_faces,
+)
 from precompute.mesh import FAMILIES, Mesh
 
 ROUNDING = 1e-13
@@ -84,6 +92,13 @@ def test_faces_inside_a_crack_belong_to_one_cell_each() -> None:
     cells = np.concatenate([left.cells["hex8"], right.cells["hex8"] + 8])
     apart = mesh_of(np.concatenate([left.points, right.points]), {"hex8": cells})
     assert len(exterior_faces(apart)["quad4"]) == 12
+
+
+def area_weights(mesh: Mesh, nodes: Ints) -> Floats | None:
+    """∫ N_i dA / A over the whole faces between the nodes."""
+    faces = whole_faces(mesh, nodes)
+    areas = nodal_sums(mesh.points, nodes, faces, node_areas)
+    return areas / areas.sum() if faces else None
 
 
 def side(mesh: Mesh, axis: int = 2, at: float = 0.0) -> Ints:
@@ -203,3 +218,59 @@ def test_curved_faces_weigh_where_their_area_is() -> None:
     np.testing.assert_allclose(weights @ mesh.points[nodes], [4 / np.pi, 4 / np.pi, -0.5], rtol=1e-5)
     # equal weights per node are another mean: the corners' negative weights matter
     assert abs(mesh.points[nodes].mean(axis=0) - [4 / np.pi, 4 / np.pi, -0.5]).max() > 1e-3
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_whole_faces_are_those_exterior_ones_whose_nodes_are_all_there(family: str) -> None:
+    mesh = box(family, (3, 2, 2))
+    chosen = np.random.default_rng(3).permutation(len(mesh.points))[: 3 * len(mesh.points) // 4]
+    for nodes in (chosen, side(mesh), side(mesh, 0, 1 / 3), np.arange(len(mesh.points))):
+        wanted = {name: f[np.isin(f, nodes).all(axis=1)] for name, f in exterior_faces(mesh).items()}
+        found = whole_faces(mesh, nodes)
+        assert found.keys() == {name for name, faces in wanted.items() if len(faces)}
+        for name, faces in found.items():
+            np.testing.assert_array_equal(faces, wanted[name])
+
+
+@pytest.mark.parametrize(
+    ("family", "face", "shares"),
+    [
+        ("tet4", "tri3", [1 / 3] * 3),
+        ("hex8", "quad4", [1 / 4] * 4),
+        ("tet10", "tri6", [3 / 57] * 3 + [16 / 57] * 3),
+        ("hex20", "quad8", [3 / 76] * 4 + [16 / 76] * 4),
+    ],
+)
+def test_shares_of_flat_faces_are_the_published_ones(family: str, face: str, shares: list[float]) -> None:
+    """3/76 and 16/76, 3/57 and 16/57 (Cook, Malkus & Plesha, Concepts and Applications of Finite Element
+    Analysis, 3rd ed., section 13.3)."""
+    mesh = box(family, (1, 1, 1), (2.0, 3.0, 5.0))
+    faces = exterior_faces(mesh)[face]
+    areas = node_areas(mesh.points, face, faces).sum(axis=1)
+    wanted = areas[:, None] * np.array(shares)
+    np.testing.assert_allclose(node_shares(mesh.points, face, faces), wanted, rtol=1e-12)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_shares_of_curved_faces_are_positive_and_add_up(family: str) -> None:
+    mesh = mapped(box(family, (2, 2, 2)), bent)
+    for name, faces in exterior_faces(mesh).items():
+        shares = node_shares(mesh.points, name, faces)
+        assert (shares > 0).all()
+        areas = node_areas(mesh.points, name, faces)
+        np.testing.assert_allclose(shares.sum(axis=1), areas.sum(axis=1), rtol=1e-13)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_normals_point_outward_and_enclose_the_volume(family: str) -> None:
+    """⅓ ∮ x·n dA = V of the isoparametric cells, to rounding on curved faces too: all is polynomial."""
+    mesh = mapped(box(family, (2, 1, 2)), bent)
+    enclosed, resultant = 0.0, np.zeros(3)
+    for name, faces in exterior_faces(mesh).items():
+        normals = node_normals(mesh.points, name, faces)
+        enclosed += float(np.einsum("fai,fai->", normals, mesh.points[faces])) / 3
+        resultant += normals.sum(axis=(0, 1))
+    rule = ELEMENTS[family].mass
+    volume = float((determinants(jacobians(mesh.points[mesh.cells[family]], rule.dN)) @ rule.w).sum())
+    assert enclosed == pytest.approx(volume, rel=1e-12)
+    np.testing.assert_allclose(resultant, 0, atol=1e-14)

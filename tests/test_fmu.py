@@ -118,7 +118,7 @@ def test_agrees_with_the_maths_at_any_step_size(fmu: Path, tmp_path: Path) -> No
     for (h, u), row in zip(steps, rows, strict=True):
         f = model.B @ u
         state, t = step(propagator(model.lam, d, h), state, f), t + h
-        a = acceleration(model.lam, d, state, f)
+        a = acceleration(model.lam, d, None, state, f)
         outputs = [
             model.C[0] @ state.q,
             model.C[1] @ state.v,

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from boxes import box, steel
+from interfaces import interface_at
 from scipy.linalg import expm, sqrtm
 
 from fmu_src.runtime.model import Port
@@ -63,7 +64,7 @@ def full_response(system: System, form: str, h: float) -> Floats:
 def reduced_response(modes: Modes, damping: Damping, h: float, keep: int) -> Floats:
     """The same by the first `keep` modal oscillators."""
     tip = (Port("tip", ("force.z",), ("displacement.z",)), port_nodes(MESH, TIP, "equal", "tip"))
-    model = reduce("bar", "", modes.lam, modes.Phi, damping, [tip])
+    model = reduce("bar", "", modes.lam, modes.Phi, damping, interface_at(MESH, [tip]))
     P = propagator(model.lam, model.damping(model.alpha, model.beta), h)
     kept = np.arange(len(model.lam)) < keep
     state, u = at_rest(len(model.lam)), []

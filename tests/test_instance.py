@@ -75,12 +75,12 @@ def test_motion_beyond_numbers_is_refused_and_nothing_changes(instance: Instance
 
 def test_rollback_keeps_the_step_coefficients(instance: Instance) -> None:
     instance.advance(0.0, 0.1)
-    saved, coefficients = instance.save(), instance._propagator(0.1)
+    saved, coefficients = instance.save(), instance._propagators(0.1)
     instance.advance(0.1, 0.1)
     instance.restore(saved)
-    assert instance._propagator(0.1) is coefficients
+    assert instance._propagators(0.1) is coefficients
     instance.set_damping(0.5, 1e-3)
-    assert instance._propagator(0.1) is not coefficients
+    assert instance._propagators(0.1) is not coefficients
 
 
 def test_modes_switched_off_take_no_initial_values() -> None:

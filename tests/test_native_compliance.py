@@ -10,7 +10,7 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from examples import oscillator, two_ports
+from examples import everything, oscillator, two_ports
 from fmpy.validation import validate_fmu
 from lxml import etree
 from ready_parts import reduction
@@ -37,6 +37,7 @@ MODELS: Mapping[str, Callable[[], ReducedModel]] = {
     **{name: partial(ready_model, name) for name in ("bracket", "cantilever", "ring", "tuning_fork")},
     "two_ports": two_ports,
     "static": gaps_static,
+    "everything": everything,
     "no_outputs": no_outputs,
 }
 

@@ -90,18 +90,72 @@ def test_what_is_next_to_nothing_becomes_nothing(kernels: Kernels, held: bool) -
 
 @pytest.mark.parametrize("n", LENGTHS)
 def test_outputs_kernel(kernels: Kernels, n: int) -> None:
-    """Rows in any order and more than once, each of its kind, the first `n` of `length` numbers only."""
+    """Rows in any order and more than once, each by its law, the first `n` of their numbers only."""
     rng = np.random.default_rng(n)
     length, first = n + LANES, 5
-    C, motion = aligned(rng.standard_normal((6, length))), aligned(rng.standard_normal((5, length)))
-    kinds = np.array([0, 1, 2, 2, 1, 0], dtype=np.int32)
+    C, motion = aligned(rng.standard_normal((9, length))), aligned(rng.standard_normal((5, length)))
+    laws = np.array([0, 1, 2, 2, 1, 0], dtype=np.int32)
+    rows = [0, 1, 2, 4, 7, 8]
     asked = np.array([3, 0, 5, 5, 1, 4, 2], dtype=np.uint32)
-    outputs = COutputs(pointer(C), length, n, kinds.ctypes.data_as(POINTER(c_int)), pointers(motion))
+    outputs = COutputs(
+        (Doubles * len(rows))(*(pointer(C[row]) for row in rows)),
+        n,
+        laws.ctypes.data_as(POINTER(c_int)),
+        pointers(motion),
+    )
     references = (asked + np.uint32(first)).astype(np.uint32)
     for order in (0, 1, 2):
         y = np.full(len(asked), np.nan)
         place = references.ctypes.data_as(POINTER(c_uint))
         kernels.outputs(outputs, order, place, first, len(asked), pointer(y))
-        for value, row in zip(y, asked, strict=True):
-            products = C[row, :n] * motion[kinds[row] + order, :n]
+        for value, k in zip(y, asked, strict=True):
+            products = C[rows[k], :n] * motion[laws[k] + order, :n]
             assert abs(value - products.sum()) <= n * EPS * np.abs(products).sum()
+
+
+@pytest.mark.parametrize("n", LENGTHS)
+def test_dot(kernels: Kernels, n: int) -> None:
+    rng = np.random.default_rng(n)
+    a, b = aligned(rng.standard_normal((2, n)))
+    assert abs(kernels.dot(pointer(a), pointer(b), n) - (a * b).sum()) <= n * EPS * np.abs(a * b).sum()
+
+
+def symmetric(rng: np.random.Generator, g: int, n: int) -> Floats:
+    """(n, n), zeros behind g."""
+    A = np.zeros((n, n))
+    A[:g, :g] = rng.standard_normal((g, g))
+    return aligned(A + A.T)
+
+
+SIZES = [(2, 8), (8, 8), (11, 16), (24, 24), (50, 56)]
+
+
+@pytest.mark.parametrize(("g", "n"), SIZES)
+def test_coupled(kernels: Kernels, g: int, n: int) -> None:
+    """q1 += X a + Y b, v1 += Z a + X b; nothing behind the g entries of a and b counts."""
+    rng = np.random.default_rng(g)
+    X, Y, Z = (symmetric(rng, g, n) for _ in range(3))
+    a, b, q, v = aligned(rng.standard_normal((4, n)))
+    a[g:] = b[g:] = np.nan
+    found = aligned(np.array([q, v]))
+    kernels.coupled(*map(pointer, (X, Y, Z, a, b, *found)), g, n)
+    for value, start, (first, second) in zip(found, (q, v), ((X, Y), (Z, X)), strict=True):
+        exact = start[:g] + first[:g, :g] @ a[:g] + second[:g, :g] @ b[:g]
+        size = np.abs(start[:g]) + np.abs(first[:g, :g]) @ np.abs(a[:g])
+        size += np.abs(second[:g, :g]) @ np.abs(b[:g])
+        assert (np.abs(value[:g] - exact) <= (2 * g + 2) * EPS * size).all()
+        np.testing.assert_array_equal(value[g:], start[g:])
+
+
+@pytest.mark.parametrize(("g", "n"), SIZES)
+def test_multiply(kernels: Kernels, g: int, n: int) -> None:
+    """C += A B, column by column, on and below the diagonal; columns of A behind g do not count."""
+    rng = np.random.default_rng(g)
+    A, B, C = aligned(rng.standard_normal((3, n, n)))  # [column, row]
+    B[:, g:] = np.nan
+    start = C.copy()
+    kernels.multiply(pointer(C), pointer(A), pointer(B), g, n)
+    exact = start + B[:, :g] @ A[:g]
+    size = np.abs(start) + np.abs(B[:, :g]) @ np.abs(A[:g])
+    half = np.tril(np.ones((n, n), dtype=bool)).T  # [column, row]: the row is not above the column
+    assert (np.abs(C - exact) <= (g + 2) * EPS * size)[half].all()

@@ -14,26 +14,33 @@ from fmu_src.runtime.model import Port, ReducedModel
 R = 20  # three registers of eight
 
 
-def many_modes() -> ReducedModel:
+def many_modes(*, coupled: bool = False) -> ReducedModel:
+    """Coupled: three in four modes by two dashpots, and modes that are off follow statically."""
     rng = np.random.default_rng(20)
     ports = (Port("tip", ("force.x", "force.y"), ("displacement.x", "velocity.y", "acceleration.z")),)
+    w = rng.standard_normal((R, 2)) * coupled
+    w[2::4] = 0.0
     return ReducedModel(
         name="many_modes",
         description="",
         lam=np.sort(rng.uniform(1.0, 1e4, R)),
         alpha=0.2,
         beta=1e-4,
-        D_rest=np.diag(rng.uniform(0.0, 0.1, R)),
+        D_rest=np.diag(rng.uniform(0.0, 0.1, R)) + w @ w.T,
         B=rng.standard_normal((R, 2)),
         C=rng.standard_normal((3, R)),
+        R=np.zeros((3, 2)),
+        R_in=np.zeros((2, 2)),
         ports=ports,
+        residual=coupled,
     )
 
 
-def test_any_number_of_modes_as_the_twin() -> None:
+@pytest.mark.parametrize("coupled", [False, True])
+def test_any_number_of_modes_as_the_twin(coupled: bool) -> None:
     """Down and up through all registers between steps of three sizes."""
-    model, rng, t = many_modes(), np.random.default_rng(1), 0.0
-    x, twin = native_fmu(many_modes).instance().initialise(), Twin(model)
+    model, rng, t = many_modes(coupled=coupled), np.random.default_rng(1), 0.0
+    x, twin = native_fmu(many_modes, coupled=coupled).instance().initialise(), Twin(model)
     twin.initialising = False
     seen, difference = np.zeros(x.fmu.size), np.zeros(x.fmu.size)
     for k in range(600):

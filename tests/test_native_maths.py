@@ -9,13 +9,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from examples import two_ports
+from examples import everything
 from native_maths import Run, maths, native_propagator
+from native_outputs import measured
+from native_reader import LAWS
 from test_propagator import NAMES, PROMISE, assert_promise_is_kept
 
-from fmu_src.runtime.model import OUTPUT_UNITS, Floats, ReducedModel
+from fmu_src.runtime.coupled import coupled_propagator
+from fmu_src.runtime.model import Floats, ReducedModel
+from fmu_src.runtime.outputs import feedthrough, rows_by_law
+from fmu_src.runtime.outputs import outputs as measure
 from fmu_src.runtime.propagator import propagator
-from fmu_src.runtime.step import acceleration, at_rest, static_solution, step
+from fmu_src.runtime.step import State, at_rest, coupled_step, keep_modes, static_solution, step
 
 EPS = np.finfo(float).eps
 
@@ -60,28 +65,30 @@ def test_an_enormous_step_is_right_or_not_a_number(twin: Any, lam: float, d: flo
 
 @dataclass(frozen=True)
 class Motion:
-    """q, q̇, q̈, q⃛, q⃜ (1 + steps, 5, r) and y (1 + steps, p) before the first step and after each."""
+    """q … q⃜ (1 + steps, 5, r) and y, ẏ, ÿ (1 + steps, 3, p) before the first step and after each."""
 
     derivatives: Floats
     outputs: Floats
 
 
-def inputs_of(model: ReducedModel, steps: int, *, held: bool) -> dict[str, Floats | int | float]:
-    """The arrays of a run, as they stand in an .npz file."""
+def run_file(model: ReducedModel, steps: int, *, held: bool) -> dict[str, Any]:
+    """The arrays of a run, as they stand in an .npz file; every tenth step other modes are active."""
     rng = np.random.default_rng(4)
-    u = rng.standard_normal((steps, 3, len(model.inputs))) * np.array([1.0, 5.0, 25.0])[:, None]
-    kinds = np.array([[*OUTPUT_UNITS].index(kind) for kind in model.output_kinds], dtype=np.int32)
-    arrays = {key: getattr(model, key) for key in ("lam", "D_rest", "B", "C")}
+    r, m = model.B.shape
+    arrays = {key: getattr(model, key) for key in ("lam", "D_rest", "B", "C", "R", "R_in")}
     h = 10.0 ** rng.uniform(-4, 0, steps)
     h[1::3] = 0.02  # kept coefficients too
+    active = np.repeat([r, *rng.integers(1, r + 1, steps // 10 - 2), r], 10)
     return {
         **arrays,
-        "u": u,
+        "u": rng.standard_normal((steps, 3, m)) * np.array([1.0, 5.0, 25.0])[:, None],
         "h": h,
-        "kinds": kinds,
+        "laws": np.array([LAWS.index(law) for law in model.laws], dtype=np.int32),
+        "active": active.astype(np.int32),
         "alpha": model.alpha,
         "beta": model.beta,
         "initial_static": int(model.initial == "static"),
+        "residual": int(model.residual),
         "held": int(held),
     }
 
@@ -89,10 +96,10 @@ def inputs_of(model: ReducedModel, steps: int, *, held: bool) -> dict[str, Float
 def native_run(path: Path) -> Motion:
     with np.load(path) as file:
         arrays = {name: np.ascontiguousarray(file[name]) for name in file.files}
-    (p, r), (steps, _, m) = arrays["C"].shape, arrays["u"].shape
-    scalars = {key: arrays.pop(key).item() for key in ("alpha", "beta", "initial_static", "held")}
-    run = Run(r=r, m=m, p=p, steps=steps, **{k: a.ctypes.data for k, a in arrays.items()}, **scalars)
-    derivatives, outputs = np.full((1 + steps, 5, r), np.nan), np.full((1 + steps, p), np.nan)
+    scalars = {k: arrays.pop(k).item() for k in ("alpha", "beta", "initial_static", "residual", "held")}
+    (s, r), (steps, _, m), p = arrays["C"].shape, arrays["u"].shape, len(arrays["laws"])
+    run = Run(r=r, m=m, p=p, s=s, steps=steps, **{k: a.ctypes.data for k, a in arrays.items()}, **scalars)
+    derivatives, outputs = np.full((1 + steps, 5, r), np.nan), np.full((1 + steps, 3, p), np.nan)
     made = maths().run_steps(
         ctypes.byref(run), c_void_p(derivatives.ctypes.data), c_void_p(outputs.ctypes.data)
     )
@@ -100,61 +107,108 @@ def native_run(path: Path) -> Motion:
     return Motion(derivatives, outputs)
 
 
-def python_run(path: Path) -> Motion:
-    """The functions of step.py, and the derivatives of q̈ + d q̇ + λ q = f."""
+def python_run(model: ReducedModel, path: Path) -> Motion:
+    """The functions of step.py, and the derivatives of q̈ + D̃ q̇ + λ q = f; y by outputs.py, with R u̇."""
     with np.load(path) as x:
-        lam, B, C, kinds = x["lam"], x["B"], x["C"], x["kinds"]
-        d = x["alpha"] + x["beta"] * lam + np.diag(x["D_rest"])
-        f = np.array([[B @ order for order in u] for u in x["u"]])  # (steps, 3, r)
-        if x["held"]:
-            f[:, 1:] = 0.0
-        sizes, static = x["h"], bool(x["initial_static"])
-    state = static_solution(lam, f[0, 0]) if static else at_rest(len(lam))
-    derivatives, now = [], np.array([f[0, 0], 0 * lam, 0 * lam])
+        lam, B, held = x["lam"], x["B"], bool(x["held"])
+        inputs, sizes, levels = x["u"] * [[1.0], [0.0], [0.0]] if held else x["u"], x["h"], x["active"]
+    D = np.diag(model.damping(model.alpha, model.beta)) + model.D_rest - np.diag(np.diag(model.D_rest))
+    r, static = len(lam), model.initial == "static"
+    state = static_solution(lam, B @ inputs[0, 0]) if static else at_rest(r)
+    derivatives, outputs = [], []
 
-    def note() -> None:
-        a = acceleration(lam, d, state, now[0])
-        jerk = now[1] - d * a - lam * state.v
-        derivatives.append([state.q, state.v, a, jerk, now[2] - d * jerk - lam * a])
+    def note(u: Floats, active: int) -> None:
+        on = np.arange(r) < active
+        f = (B @ u.T).T * on
+        motion = [state.q, state.v]
+        for order in range(3):
+            motion.append((f[order] - D @ motion[-1] - lam * motion[-2]) * on)
+        through = feedthrough(model, active)
+        rows = rows_by_law(model, through.R)
+        y = measure(rows, lam, model.alpha, through.R_in, State(*motion[:2]), motion[2], u[0])
+        one = rows.get("velocity")
+        if one is not None and one.R is not None:
+            y[one.places] += one.R @ u[1]
+        derivatives.append(motion)
+        outputs.append(y)
 
-    note()
-    for h, (f0, f1, f2) in zip(sizes, f, strict=True):
-        state = step(propagator(lam, d, float(h)), state, f0, f1, f2)
-        now = np.array([f0 + h * f1 + h**2 / 2 * f2, f1 + h * f2, f2])
-        note()
-    all_of_them = np.array(derivatives)
-    outputs = np.array([[C[row] @ x[kind] for row, kind in enumerate(kinds)] for x in all_of_them])
-    return Motion(all_of_them, outputs)
+    note(np.array([inputs[0, 0], *(0 * inputs[0, 1:])]), r)
+    for h, (u, u1, u2), active in zip(sizes, inputs, levels, strict=True):
+        state = keep_modes(state, active)
+        alone = propagator(lam[:active], np.diag(D)[:active], float(h))
+        f = [B[:active] @ rate for rate in (u, u1, u2)]
+        moved = step(alone, State(state.q[:active], state.v[:active]), *f)
+        off = D[:active, :active] - np.diag(np.diag(D[:active, :active]))
+        group = np.flatnonzero(off.any(axis=1))
+        if len(group):
+            together = coupled_propagator(lam[group], D[np.ix_(group, group)], float(h))
+            rates = [rate[group] for rate in f]
+            of_group = coupled_step(together, State(state.q[group], state.v[group]), *rates)
+            moved.q[group], moved.v[group] = of_group.q, of_group.v
+        rest = np.zeros(r - active)
+        state = State(np.concatenate([moved.q, rest]), np.concatenate([moved.v, rest]))
+        note(np.array([u + h * u1 + h**2 / 2 * u2, u1 + h * u2, u2]), int(active))
+    return Motion(np.array(derivatives), np.array(outputs))
+
+
+def larger(copies: int, *, rigid: bool, coupled: bool) -> ReducedModel:
+    """`everything` with several modes for one of its own."""
+    rng = np.random.default_rng(6)
+    lam = np.sort(np.repeat([3.0, 7.0, 30.0, 30.0, 400.0, 9000.0], copies))
+    if rigid:
+        lam[:copies] = 0.0
+    r, s = len(lam), len(everything().C)
+    w = rng.standard_normal((r, 2)) * coupled
+    w[1::4] = 0.0
+    return everything(
+        lam=lam,
+        D_rest=np.diag(rng.uniform(0.0, 2.0, r)) + w @ w.T,
+        B=rng.standard_normal((r, 7)),
+        C=rng.standard_normal((s, r)),
+        initial="rest" if rigid else "static",
+    )
 
 
 @pytest.mark.parametrize("held", [True, False], ids=["held", "with rates"])
-@pytest.mark.parametrize("initial", ["rest", "static"])
+@pytest.mark.parametrize("rigid", [True, False], ids=["from rest", "static start"])
+@pytest.mark.parametrize("coupled", [True, False], ids=["coupled", "alone"])
 @pytest.mark.parametrize("copies", [1, 4])  # 6 modes in one register, 24 in three
-def test_steps_agree_on_the_same_file(tmp_path: Path, held: bool, initial: str, copies: int) -> None:
+def test_steps_agree_on_the_same_file(
+    tmp_path: Path, held: bool, rigid: bool, coupled: bool, copies: int
+) -> None:
     """Identical .npz inputs: state, its derivatives and outputs after each of 60 steps of many sizes."""
-    base = two_ports(initial="rest")
-    lam = np.sort(np.repeat([3.0, 7.0, 30.0, 30.0, 400.0, 9000.0], copies))
-    if initial == "rest":
-        lam[:copies] = 0.0
-    rng = np.random.default_rng(6)
-    r = len(lam)
-    model = two_ports(
-        lam=lam,
-        D_rest=np.diag(np.repeat(np.diag(base.D_rest), copies)),
-        B=rng.standard_normal((r, 3)),
-        C=rng.standard_normal((5, r)),
-        initial=initial,
-    )
+    model = larger(copies, rigid=rigid, coupled=coupled)
     path = tmp_path / "run.npz"
-    np.savez(path, **inputs_of(model, 60, held=held))
-    native, python = native_run(path), python_run(path)
+    np.savez(path, **run_file(model, 60, held=held))
+    native, python = native_run(path), python_run(model, path)
     # each step rounds by the promise of its coefficients, 1 + ωh ≤ 100 for the fastest mode
     bound = 60 * 100 * EPS
     for order in range(5):
-        peak = np.abs(python.derivatives[:, order]).max(axis=0) + 1e-300
+        peak = np.abs(python.derivatives[:, order]).max(axis=0)
+        peak = np.maximum(peak, peak.max() if coupled else 1e-300)
         assert (np.abs(native.derivatives[:, order] - python.derivatives[:, order]) <= bound * peak).all()
     peak = np.abs(python.outputs).max(axis=0)
-    assert (np.abs(native.outputs - python.outputs) <= bound * peak).all()
+    assert (np.abs(native.outputs[:, 0] - python.outputs) <= bound * peak).all()
     assert (peak > 0.01).all()
     first = np.abs(python.derivatives[0, 0])
-    assert (first > 0).all() if initial == "static" else (first == 0).all()
+    assert (first == 0).all() if rigid else (first > 0).all()
+
+
+@pytest.mark.parametrize("coupled", [True, False], ids=["coupled", "alone"])
+def test_derivatives_of_outputs_along_a_run(tmp_path: Path, coupled: bool) -> None:
+    """ẏ and ÿ of every law from the states of the run itself, some modes being off."""
+    model = larger(1, rigid=True, coupled=coupled)
+    path = tmp_path / "run.npz"
+    given = run_file(model, 30, held=False)
+    np.savez(path, **given)
+    found = native_run(path)
+    for k in (3, 15, 28):
+        h, (u, u1, u2) = given["h"][k], given["u"][k]
+        ends = np.array([u + h * u1 + h**2 / 2 * u2, u1 + h * u2, u2])
+        through = feedthrough(model, int(given["active"][k]))
+        R_in = (through.R_in + through.R_in.T) / 2
+        arrays = {key: given[key] for key in ("lam", "D_rest", "B", "C")}
+        at_level = everything(**arrays, R=through.R, R_in=R_in)
+        exact = measured(at_level, found.derivatives[1 + k], ends)
+        difference = np.abs(found.outputs[1 + k] - exact)
+        assert (difference <= 1e-11 * np.abs(exact).max(axis=1, keepdims=True)).all()

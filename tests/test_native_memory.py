@@ -2,11 +2,12 @@
 
 import ctypes
 import re
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
-from examples import two_ports
+from examples import everything, two_ports
 from native_fmu import (
     ERROR,
     OK,
@@ -14,6 +15,8 @@ from native_fmu import (
     native_fmu,
 )
 from native_modes import KINDS, Memory
+
+from fmu_src.runtime.model import ReducedModel
 
 
 @pytest.mark.parametrize(
@@ -137,9 +140,11 @@ def test_every_allocation_may_fail(kind: int) -> None:
     assert memory.calls > 10  # the component, its name, the model's arrays, the instance, three states
 
 
-def test_a_run_allocates_nothing() -> None:
+@pytest.mark.parametrize("make", [two_ports, everything])
+def test_a_run_allocates_nothing(make: Callable[[], ReducedModel]) -> None:
+    """Not even new step sizes, nor modes that are coupled again."""
     memory = Memory()
-    x = native_fmu(two_ports).instance(host=memory.host()).initialise()
+    x = native_fmu(make).instance(host=memory.host()).initialise()
     state = ctypes.c_void_p()
     x.must("GetFMUstate", ctypes.byref(state))
     before, t = memory.calls, 0.0
@@ -152,7 +157,7 @@ def test_a_run_allocates_nothing() -> None:
         t += h
         x.must("GetFMUstate", ctypes.byref(state))  # into the memory it already has
         x.must("SetFMUstate", state)
-        x.directional(x.fmu.outputs, x.fmu.inputs, [1.0, 2.0, 3.0])
+        x.directional(x.fmu.outputs, x.fmu.inputs, np.arange(len(x.fmu.inputs)))
         x.reals()
     x.must("Reset")
     assert memory.calls == before

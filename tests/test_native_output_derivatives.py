@@ -84,7 +84,7 @@ def test_derivatives_of_inputs_show_in_those_of_outputs_until_the_next_step() ->
     saved = part.save()
     assert part.set_rates(FORCES, [1] * 3, [0.0] * 3) == OK
     without = part.get_rates(references, [1] * 5)
-    jump = np.where([kind == "acceleration" for kind in model.output_kinds], model.C @ model.B @ U[1], 0.0)
+    jump = np.where([law == "acceleration" for law in model.laws], model.C @ model.B @ U[1], 0.0)
     np.testing.assert_allclose(with_ramp - without, jump, atol=1e-12 * np.abs(with_ramp).max())
     assert np.abs(jump[[2, 3]]).min() > 1.0
     # the next step is held, by zeros or by nothing

@@ -141,9 +141,17 @@ def test_fmpy_finds_nothing(tmp_path: Path) -> None:
 def test_embedded_numbers_are_exact() -> None:
     extremes = np.array([0.0, 5e-324, 0.1, 1e22, 1.7976931348623157e308])
     shape = np.array([[-0.1, 1e-5, 2.5, 1 / 3, -1e300]])
-    model = oscillator(lam=extremes, D_rest=np.diag(extremes), B=shape.T, C=np.repeat(shape, 3, axis=0))
+    model = oscillator(
+        lam=extremes,
+        D_rest=np.diag(extremes),
+        B=shape.T,
+        C=np.repeat(shape, 3, axis=0),
+        R=np.array([[0.1], [-5e-324], [3.0]]),
+        R_in=np.array([[1 / 3]]),
+    )
     text = embedded_model(model, "{guid}")
-    for name, array in (("lam", extremes), ("D_rest", np.diag(extremes)), ("B", shape), ("C", model.C)):
+    for name in ("lam", "D_rest", "B", "C", "R", "R_in"):
+        array = getattr(model, name)
         entries = re.search(rf"double embedded_{name}\[\] = \{{(.*?)\}};", text, re.DOTALL)
         assert entries is not None
         words = [word.strip() for word in entries[1].split(",") if word.strip()]
@@ -161,4 +169,4 @@ def test_embedded_arrays_are_never_empty() -> None:
     assert "embedded_inputs[] = {\n    0,\n};" in text
     assert "embedded_B[] = {\n    0,\n};" in text
     assert ".m = 0," in text
-    assert ".output_kinds = embedded_output_kinds," in text
+    assert ".laws = embedded_laws," in text

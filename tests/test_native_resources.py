@@ -3,33 +3,82 @@
 import ctypes
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from examples import oscillator, two_ports
+from examples import EVERYTHING, everything, oscillator, two_ports
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from model_files import HEADER, assert_read, assert_same, files_of, with_text, written
+from model_files import (
+    HEADER,
+    assert_read,
+    assert_refused,
+    assert_same,
+    files_of,
+    saved,
+    with_array,
+    with_header,
+    with_text,
+    written,
+)
 from native_reader import Refused, in_folder, in_memory, library, read_guid, read_native
 
-from fmu_src.runtime.model import INPUTS, OUTPUTS, Port, ReducedModel
+from fmu_src.runtime.kinds import (
+    BASE,
+    ENERGY,
+    GRAVITY,
+    ORDINARY_INPUTS,
+    ORDINARY_OUTPUTS,
+    ROWS,
+    inputs_of,
+    outputs_of,
+)
+from fmu_src.runtime.model import Port, ReducedModel
 from fmu_src.runtime.resources import ARRAYS
 
 GUID = "{01234567-89ab-cdef-0123-456789abcdef}"
-ALLOCATIONS = 9  # model.json, its checksum, its values, its ports' names, the model, four arrays
+ALLOCATIONS = 11  # model.json, its checksum, its values, its ports' names, the model, six arrays
+INPUTS, OUTPUTS = (*ORDINARY_INPUTS,), (*ORDINARY_OUTPUTS,)
 
 MODELS: list[Callable[[], ReducedModel]] = [
     oscillator,
     two_ports,
     lambda: oscillator(initial="static", description='ü€\U0001f600 "\\ \t\n'),
-    lambda: two_ports(ports=(Port("in_1", INPUTS, ()), Port("out", (), OUTPUTS[:5]))),
+    lambda: two_ports(ports=(Port("in_1", INPUTS[:3], ()), Port("out", (), OUTPUTS[:5]))),
     lambda: oscillator(ports=(Port("only_in", ("force.z",), ()),), C=np.zeros((0, 1))),
     lambda: oscillator(ports=(Port("only_out", (), ("velocity.y",)),), B=np.zeros((1, 0)), C=np.ones((1, 1))),
     lambda: oscillator(ports=(Port("none", (), ()), Port("tip", ("force.x",), OUTPUTS[3:6]))),
+    everything,
+    lambda: everything(residual=False, coupled=False),
+    lambda: with_ports(EVERYTHING[::-1]),
+    lambda: with_ports((Port("energy", (), ("strain",)),)),  # no row of C and R
+    lambda: with_ports((Port("all", INPUTS, OUTPUTS), Port("base", (*BASE,), ()))),
+    lambda: with_ports((Port("gravity", (*GRAVITY,), ()), Port("energy", (), (*ENERGY,)))),
 ]
+
+
+def with_ports(ports: tuple[Port, ...]) -> ReducedModel:
+    """Two modes; every array random and full where it may be."""
+    rng = np.random.default_rng(3)
+    m = sum(len(port.inputs) for port in ports)
+    s = sum(ROWS[outputs_of(port.name)[key].law] for port in ports for key in port.outputs)
+    S = rng.standard_normal((m, m))
+    return ReducedModel(
+        name="ports",
+        description="",
+        lam=np.array([1.0, 2.0]),
+        alpha=0.0,
+        beta=0.0,
+        D_rest=np.array([[1.0, -0.5], [-0.5, 2.0]]),
+        B=rng.standard_normal((2, m)),
+        C=rng.standard_normal((s, 2)),
+        R=rng.standard_normal((s, m)),
+        R_in=S @ S.T,
+        ports=ports,
+    )
 
 
 @pytest.mark.parametrize("build", MODELS)
@@ -40,11 +89,16 @@ def test_both_twins_read_the_same(tmp_path: Path, build: Callable[[], ReducedMod
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 positive = st.floats(0, allow_infinity=False)
+names = st.from_regex(r"[A-Za-z_][A-Za-z0-9_]{0,20}", fullmatch=True)
+
+
+def some_of(known: Mapping[str, object]) -> st.SearchStrategy[list[str]]:
+    return st.lists(st.sampled_from([*known]), unique=True) if known else st.just([])
+
+
 ports = st.lists(
-    st.tuples(
-        st.from_regex(r"[A-Za-z_][A-Za-z0-9_]{0,20}", fullmatch=True),
-        st.lists(st.sampled_from(INPUTS), unique=True),
-        st.lists(st.sampled_from(OUTPUTS), unique=True),
+    st.one_of(names, st.sampled_from(["gravity", "base", "energy"])).flatmap(
+        lambda name: st.tuples(st.just(name), some_of(inputs_of(name)), some_of(outputs_of(name)))
     ),
     min_size=1,
     max_size=4,
@@ -53,32 +107,42 @@ ports = st.lists(
 
 
 @settings(max_examples=150, deadline=None)
-@given(st.data(), ports, positive, positive, st.sampled_from(["rest", "static"]))
+@given(st.data(), ports, positive, positive, st.sampled_from(["rest", "static"]), st.booleans())
 def test_models_of_every_kind(
     data: st.DataObject,
     found: list[tuple[str, list[str], list[str]]],
     alpha: float,
     beta: float,
     initial: Any,
+    residual: bool,
 ) -> None:
     lam = sorted(data.draw(st.lists(positive, min_size=1, max_size=5)))
-    r, m, p = len(lam), sum(len(port[1]) for port in found), sum(len(port[2]) for port in found)
+    r, m = len(lam), sum(len(port[1]) for port in found)
+    s = sum(ROWS[outputs_of(name)[key].law] for name, _, outputs in found for key in outputs)
 
     def array(*shape: int, of: st.SearchStrategy[float] = finite) -> Any:
         size = math.prod(shape)
-        return np.array(data.draw(st.lists(of, min_size=size, max_size=size)), dtype=float).reshape(shape)
+        seen = data.draw(st.lists(of, min_size=min(size, 6), max_size=min(size, 6)))
+        return np.resize(np.array(seen, dtype=float), shape) if size else np.zeros(shape)
+
+    def symmetric(n: int) -> Any:
+        half = np.tril(array(n, n), -1)
+        return half + half.T + np.diag(array(n, of=positive))
 
     model = ReducedModel(
-        name=data.draw(st.from_regex(r"[A-Za-z_][A-Za-z0-9_]{0,20}", fullmatch=True)),
+        name=data.draw(names),
         description=data.draw(st.text(st.characters(min_codepoint=32, max_codepoint=0xD7FF))),
         lam=np.array(lam),
         alpha=alpha,
         beta=beta,
-        D_rest=np.diag(array(r, of=positive)),
+        D_rest=symmetric(r),
         B=array(r, m),
-        C=array(p, r),
+        C=array(s, r),
+        R=array(s, m),
+        R_in=symmetric(m),
         ports=tuple(Port(name, tuple(inputs), tuple(outputs)) for name, inputs, outputs in found),
         initial=initial if lam[0] > 0 else "rest",
+        residual=residual,
     )
     assert_same(read_native(in_memory(files_of(model))), model)
 
@@ -95,6 +159,45 @@ def test_the_last_of_equal_keys_counts_in_both_twins(tmp_path: Path) -> None:
     files = files_of(oscillator())
     text = files[HEADER].replace(b'"beta": 0.0', b'"beta": 7, "beta": 2, "alpha": 3e-2')
     assert_read(with_text(files, text), tmp_path, oscillator(alpha=0.03, beta=2.0))
+
+
+@pytest.mark.parametrize(
+    ("port", "key", "variable"),
+    [
+        ("gravity", "outputs", "displacement.x"),
+        ("gravity", "inputs", "force.x"),
+        ("gravity", "inputs", "acceleration.x"),
+        ("base", "outputs", "acceleration.x"),
+        ("base", "inputs", "x"),
+        ("energy", "inputs", "force.x"),
+        ("energy", "outputs", "displacement.x"),
+        ("tip", "inputs", "x"),
+        ("tip", "inputs", "acceleration.x"),
+        ("tip", "inputs", "pressure.x"),
+        ("tip", "inputs", "displacement.x"),
+        ("tip", "outputs", "force.x"),
+        ("tip", "outputs", "kinetic"),
+        ("tip", "outputs", "stress.yx"),
+        ("tip", "outputs", "mises"),
+        ("Gravity", "inputs", "x"),
+    ],
+)
+def test_variables_of_other_ports(tmp_path: Path, port: str, key: str, variable: str) -> None:
+    """The ports gravity, base and energy have variables of their own, and these alone."""
+    listed = {"name": port, "inputs": [], "outputs": [], key: [variable]}
+    files = with_header(files_of(two_ports()), ports=[listed])
+    assert_refused(files, tmp_path, rf"^model/model\.json: port {port}: {key}: expected ", f"^port {port}: ")
+
+
+@pytest.mark.parametrize(
+    ("key", "place", "value"),
+    [("R_in", (5, 6), 1e-9), ("R_in", (1, 0), 1.0), ("R_in", (3, 3), np.nan), ("R", (3, 2), np.inf)],
+)
+def test_feed_through_that_no_model_has(tmp_path: Path, key: str, place: Any, value: float) -> None:
+    array = getattr(everything(), key).copy()
+    array[place] += value
+    files = with_array(files_of(everything()), key, saved(array))
+    assert_refused(files, tmp_path, rf"^model/{key}\.npy: ", f"^{key}: ")
 
 
 @pytest.mark.parametrize("name", ["model.json", "model.sha256", *(f"{key}.npy" for key in ARRAYS)])

@@ -2,11 +2,13 @@
 
 import logging
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from boxes import box, mapped
+from interfaces import interface_at
 from small_part import write_mesh, write_part
 
 from fmu_src.runtime.model import Port
@@ -15,7 +17,7 @@ from precompute.errors import EigenError, ModelError
 from precompute.notice import LOGGER_NAME
 from precompute.part import read_part
 from precompute.pipeline import Reduction, reduce_part
-from precompute.ports import PortNodes, participation, port_nodes
+from precompute.ports import port_nodes
 from precompute.reduction import reduce
 from precompute.shape import Shape, deformed_points, read_shape, surface_shape, write_shape
 
@@ -27,13 +29,14 @@ def reduced(folder: Path, *changes: tuple[str, str]) -> Reduction:
 def test_power_at_a_port_is_power_in_the_modes() -> None:
     """Fᵀu̇ = fᵀq̇: columns of B and rows of C of one port and direction are the same numbers."""
     rng = np.random.default_rng(0)
-    Phi = rng.standard_normal((12, 5))
-    where = PortNodes(np.array([0, 2, 3]), np.array([0.5, 0.75, -0.25]))
+    mesh, nodes = box("tet4", (1, 1, 1)), np.array([0, 2, 3])
+    Phi = rng.standard_normal((3 * len(mesh.points), 5))
+    where = replace(port_nodes(mesh, nodes, "equal", "p"), weights=np.array([0.5, 0.75, -0.25]))
     by_hand = 0.5 * Phi[0:3] + 0.75 * Phi[6:9] - 0.25 * Phi[9:12]
-    np.testing.assert_allclose(participation(Phi, where), by_hand, rtol=1e-15)
     port = Port("p", ("force.z", "force.x"), ("velocity.z", "displacement.x", "acceleration.y"))
     lam = np.arange(1.0, 6.0)
-    model = reduce("part", "", lam, Phi, Damping(0.0, 0.0, np.zeros((5, 5))), [(port, where)])
+    damping = Damping(0.0, 0.0, np.zeros((5, 5)))
+    model = reduce("part", "", lam, Phi, damping, interface_at(mesh, [(port, where)]))
     np.testing.assert_allclose(model.B.T, by_hand[[2, 0]], rtol=1e-15)
     np.testing.assert_allclose(model.C, by_hand[[2, 0, 1]], rtol=1e-15)
 
@@ -132,7 +135,7 @@ def test_a_great_many_modes_are_said_beforehand(tmp_path: Path, caplog: pytest.L
 def test_shape_survives_the_archive_and_deforms(tmp_path: Path) -> None:
     mesh = box("hex20", (2, 1, 1))
     Phi = np.random.default_rng(1).standard_normal((3 * len(mesh.points), 4))
-    shape = surface_shape(mesh, Phi)
+    shape = surface_shape(mesh, Phi.reshape(-1, 3, 4))
     path = tmp_path / "part.fmu"
     with zipfile.ZipFile(path, "w") as archive:
         for name, content in write_shape(shape).items():

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from boxes import box
+from interfaces import interface_at
 from scipy.sparse import coo_array, csr_array, kron
 from solids import held, system_of
 
@@ -69,10 +70,16 @@ def deflection(beam: tuple[Mesh, Modes], alpha: float, beta: float, steps: int, 
         modes.lam,
         modes.Phi,
         rayleigh(modes.lam, alpha, beta),
-        [
-            (Port("load", ("force.y",), ()), port_nodes(mesh, end, "equal", "load")),
-            (Port("n100", (), ("displacement.y",)), port_nodes(mesh, np.array([middle]), "equal", "n100")),
-        ],
+        interface_at(
+            mesh,
+            [
+                (Port("load", ("force.y",), ()), port_nodes(mesh, end, "equal", "load")),
+                (
+                    Port("n100", (), ("displacement.y",)),
+                    port_nodes(mesh, np.array([middle]), "equal", "n100"),
+                ),
+            ],
+        ),
     )
     assert len(end) == 21
     return 1e3 * respond(model, -21.0, steps, h)
@@ -132,6 +139,8 @@ def test_deep_beam_5t_one_mode() -> None:
         np.zeros((1, 1)),
         np.ones((1, 1)),
         np.ones((1, 1)),
+        np.zeros((1, 1)),
+        np.zeros((1, 1)),
         (Port("middle", ("force.y",), ("displacement.y",)),),
     )
     peak_time = pi / (omega * sqrt(1 - zeta**2))

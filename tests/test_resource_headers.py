@@ -30,7 +30,7 @@ def test_a_header_in_another_encoding(tmp_path: Path, encoding: str) -> None:
 OUTPUT_ONLY = oscillator(
     ports=(Port("tip", (), ("velocity.y",)),), B=np.zeros((1, 0)), C=np.ones((1, 1)), beta=7.0
 )
-IGNORED = '"schema": 1, "later": {}'
+IGNORED = '"schema": 2, "later": {}'
 
 
 def with_replaced(right: str, other: str) -> dict[str, bytes]:
@@ -44,14 +44,14 @@ def with_replaced(right: str, other: str) -> dict[str, bytes]:
 @pytest.mark.parametrize(
     ("right", "other"),
     [
-        ('"schema": 1', '"schema": 1.0'),
-        ('"schema": 1', '"schema": 1e0'),
+        ('"schema": 2', '"schema": 2.0'),
+        ('"schema": 2', '"schema": 2e0'),
         ('"shape": [1]', '"shape": [1.0]'),
         ('"shape": [1]', '"shape": [ 10e-1\t]'),
         ('"beta": 7.0', '"beta": 7'),
         ('"beta": 7.0', '"beta": 1e400, "beta": 7'),
         *(
-            ('"schema": 1', IGNORED.format(value))
+            ('"schema": 2', IGNORED.format(value))
             for value in (
                 r'"\ud83d\ude00"',
                 r'"\u0000\uffff\u0041"',
@@ -71,8 +71,8 @@ def test_headers_written_otherwise(tmp_path: Path, right: str, other: str) -> No
 @pytest.mark.parametrize(
     ("right", "wrong"),
     [
-        ('"schema": 1', '"schema": true'),
-        ('"schema": 1', '"schema": 01'),
+        ('"schema": 2', '"schema": true'),
+        ('"schema": 2', '"schema": 02'),
         ('"shape": [1]', '"shape": [true]'),
         ('"shape": [1]', '"shape": [1.5]'),
         ('"inputs": []', '"inputs": ""'),
@@ -81,7 +81,7 @@ def test_headers_written_otherwise(tmp_path: Path, right: str, other: str) -> No
         ('"beta": 7.0', '"beta": true'),
         ('"beta": 7.0', "'beta': 7.0"),
         *(
-            ('"schema": 1', IGNORED.format(value))
+            ('"schema": 2', IGNORED.format(value))
             for value in (
                 "NaN",
                 "Infinity",
@@ -124,14 +124,18 @@ PORT = {"name": "tip", "inputs": ["force.x"], "outputs": ["displacement.x", "vel
     [
         *(
             (key, None)
-            for key in ("schema", "name", "description", "alpha", "beta", "initial", "ports", "arrays")
+            for key in (
+                *("schema", "name", "description", "alpha", "beta"),
+                *("initial", "residual", "ports", "arrays"),
+            )
         ),
-        *(("schema", value) for value in (2, 0, 1.5, "1", [1])),
+        *(("schema", value) for value in (1, 3, 0, 1.5, "2", [2])),
         *(("name", value) for value in (7, "", "two words", "1st", "a\n", "two\nlines", "a\0", "ä", "a.b")),
         *(("description", value) for value in (1, ["a"], "a\0", "\1", "\x0b", "\x1f", "\ufffe", "b\uffff")),
         *(("alpha", value) for value in ("0.5", True, -1e-300, 10**400, [0.0])),
         *(("beta", value) for value in ("x", -1.0, float("nan"), float("inf"))),
         *(("initial", value) for value in ("moving", "", "Rest", "static\0", 1, ["rest"])),
+        *(("residual", value) for value in ("true", 1, 0.0, [True], {})),
         *(("ports", value) for value in (3, [], {}, "", [3], [[]], [{}], ["tip"], [PORT, PORT])),
         *(("ports", [{**PORT, "name": value}]) for value in ("", "a b", "a\0", 1, None)),
         *(("ports", [{**PORT, "inputs": value}]) for value in ("", 1, {}, [1], ["force.w"], ["force.x"] * 2)),

@@ -4,25 +4,30 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from examples import two_ports
+from examples import everything, two_ports
 
 from fmu_src.runtime.errors import ModelError
 from fmu_src.runtime.model import Port, ReducedModel
 from fmu_src.runtime.resources import read_model, write_model
 
 
+def written(model: ReducedModel, folder: Path) -> Path:
+    for name, content in write_model(model).items():
+        (folder / name).write_bytes(content)
+    return folder
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    for name, content in write_model(two_ports()).items():
-        (tmp_path / name).write_bytes(content)
-    return tmp_path
+    return written(two_ports(), tmp_path)
 
 
-def test_round_trip_is_exact(folder: Path) -> None:
-    model, back = two_ports(), read_model(folder)
-    for key in ("lam", "D_rest", "B", "C"):
+@pytest.mark.parametrize("model", [two_ports(), everything()], ids=["plain", "everything"])
+def test_round_trip_is_exact(tmp_path: Path, model: ReducedModel) -> None:
+    back = read_model(written(model, tmp_path))
+    for key in ("lam", "D_rest", "B", "C", "R", "R_in"):
         np.testing.assert_array_equal(getattr(back, key), getattr(model, key))
-    for key in ("name", "description", "alpha", "beta", "ports", "initial"):
+    for key in ("name", "description", "alpha", "beta", "ports", "initial", "residual"):
         assert getattr(back, key) == getattr(model, key)
 
 
@@ -32,7 +37,9 @@ def test_anyone_can_open_the_arrays(folder: Path) -> None:
     np.testing.assert_array_equal(lam, two_ports().lam)
 
 
-@pytest.mark.parametrize("name", ["model.json", "model.sha256", "lam.npy", "B.npy", "C.npy", "D_rest.npy"])
+@pytest.mark.parametrize(
+    "name", ["model.json", "model.sha256", "lam.npy", "B.npy", "C.npy", "D_rest.npy", "R.npy", "R_in.npy"]
+)
 def test_missing_and_cut_files(folder: Path, name: str) -> None:
     content = (folder / name).read_bytes()
     (folder / name).write_bytes(content[: len(content) // 2])
@@ -70,6 +77,8 @@ def build(**changes: object) -> ReducedModel:
         "D_rest": np.zeros((r, r)),
         "B": np.ones((r, 1)),
         "C": np.ones((1, r)),
+        "R": np.zeros((1, 1)),
+        "R_in": np.zeros((1, 1)),
         "ports": (Port("tip", ("force.x",), ("displacement.x",)),),
     }
     return ReducedModel(**{**given, **changes})  # type: ignore[arg-type]  # wrong types are the point
@@ -83,7 +92,10 @@ def build(**changes: object) -> ReducedModel:
         ({"lam": np.array([4.0, 0.0])}, "ascending"),
         ({"lam": np.array([-1e-3, 4.0])}, "≥ 0"),
         ({"lam": np.array([0.0, np.nan])}, "finite"),
-        ({"D_rest": np.ones((2, 2))}, "diagonal"),
+        ({"D_rest": np.array([[1.0, 0.5], [0.4, 1.0]])}, "symmetric"),
+        ({"R": np.zeros((2, 1))}, "R: got"),
+        ({"R": np.full((1, 1), np.inf)}, "finite"),
+        ({"R_in": np.zeros((1, 2))}, "R_in: got"),
         ({"initial": "static"}, "rigid"),
         ({"name": "1st"}, "identifier"),
         (
@@ -101,6 +113,9 @@ def build(**changes: object) -> ReducedModel:
         ),
         ({"description": "\ud800"}, "XML"),
         ({"ports": (Port("tip", ("heat",), ("displacement.x",)),)}, "heat"),
+        ({"ports": (Port("gravity", ("force.x",), ("displacement.x",)),)}, "expected one of x, y, z"),
+        ({"ports": (Port("tip", ("force.x",), ("kinetic",)),)}, "kinetic"),
+        ({"ports": (Port("energy", ("force.x",), ("kinetic",)),)}, "expected one of none"),
     ],
 )
 def test_inconsistent_models_are_refused(changes: dict[str, object], message: str) -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from precompute.errors import SelectionError
 from precompute.mesh import Mesh
+from precompute.node_table import NodeTable
 from precompute.selection import Box, NamedSet, Nodes, Plane, Point, select_cells, select_nodes
 
 MM = 1e-3
@@ -182,7 +183,7 @@ def test_node_numbers_that_do_not_exist(bar):
     with pytest.raises(SelectionError) as caught:
         select_nodes(bar, Nodes((101, 102, 0)), MM)
     assert str(caught.value).startswith(
-        "nodes 0, 102 are in no solid cell of the mesh; its numbers lie between 101 and 147; "
+        "got nodes 0, 102, in no solid cell of the mesh; its numbers lie between 101 and 147; "
         "the mesh has the sets"
     )
     with pytest.raises(SelectionError):
@@ -211,3 +212,47 @@ def test_cells_of_no_set(bar):
         SelectionError, match=r"^set 'tip' has nodes but no solid cells; the mesh has the cell sets"
     ):
         select_cells(bar, "tip")
+
+
+class TestImportedNodes:
+    """A table of nodes in place of a mesh."""
+
+    @pytest.fixture
+    def table(self, bar):
+        return NodeTable(bar.points, bar.node_ids)
+
+    def test_places_and_numbers(self, bar, table):
+        for at in (Plane("x", 50), Box((0, 0, 0), (10, 0, 10)), Point((30, 10, 0)), Nodes((101, 147))):
+            assert select_nodes(table, at, MM).tolist() == select_nodes(bar, at, MM).tolist()
+
+    def test_sets_come_with_a_mesh_only(self, bar, table):
+        with pytest.raises(SelectionError) as caught:
+            select_nodes(table, "clamp", MM)
+        assert str(caught.value) == (
+            "no set is named 'clamp'; matrices bring no sets; select by nodes = [numbers], or give their mesh"
+        )
+        both = NodeTable(bar.points, bar.node_ids, bar.cells, bar.node_sets, bar.cell_sets)
+        assert select_nodes(both, "clamp", MM).tolist() == [0, 1, 2, 3]
+        assert len(select_nodes(both, "end", MM)) == 8
+
+    def test_numbers_that_do_not_exist(self, table):
+        with pytest.raises(
+            SelectionError, match="got nodes 7, not in the matrices; their numbers lie between 101"
+        ):
+            select_nodes(table, Nodes((7, 101)), MM)
+
+    @pytest.mark.parametrize("at", [Plane("x", 50), Box((0, 0, 0), (9, 9, 9)), Point((0, 0, 0))])
+    def test_no_coordinates(self, bar, at):
+        table = NodeTable(np.full((24, 3), np.nan), bar.node_ids)
+        assert select_nodes(table, Nodes((103,)), MM).tolist() == [1]
+        with pytest.raises(
+            SelectionError, match=r"got matrices without coordinates, .* nodes = \[numbers\], or"
+        ):
+            select_nodes(table, at, MM)
+
+    def test_nodes_of_unknown_place_are_passed_over(self, bar):
+        points = bar.points.copy()
+        points[0] = np.nan
+        table = NodeTable(points, bar.node_ids)
+        assert select_nodes(table, Point((0, 0, 0)), MM).tolist() == [1]
+        assert select_nodes(table, Plane("x", 0), MM).tolist() == [1, 2, 3]

@@ -130,7 +130,7 @@ def test_energy_balance() -> None:
 def test_acceleration_is_the_derivative_of_velocity() -> None:
     lam, d, f = np.array([0.0, 50.0]), np.array([0.3, 2.0]), np.array([1.0, -2.0])
     state = State(np.array([0.4, 0.1]), np.array([-1.0, 3.0]))
-    a = acceleration(lam, d, state, f)
+    a = acceleration(lam, d, None, state, f)
     h = 1e-4
     ahead = step(propagator(lam, d, h), state, f)
     further = step(propagator(lam, d, 2 * h), state, f)
@@ -146,7 +146,7 @@ def test_static_solution_is_where_motion_ends() -> None:
     stays, arrives = step(P, rest, f), step(P, at_rest(3), f)
     np.testing.assert_allclose(stays.q, f / lam, rtol=1e-14)
     np.testing.assert_allclose(arrives.q, f / lam, rtol=1e-14)
-    assert np.abs(acceleration(lam, 0 * lam, rest, f)).max() < 1e-14
+    assert np.abs(acceleration(lam, 0 * lam, None, rest, f)).max() < 1e-14
 
 
 def test_modes_switched_off_are_at_rest() -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from examples import two_ports
-from twins import DAMPED, PARTS, difference, difference_of_twins, inputs, run
+from twins import DAMPED, PARTS, TUNED, difference, difference_of_twins, inputs, run
 
 from fmu_src.native_fmu import build_native_fmu
 
@@ -14,8 +14,8 @@ STEPS = 2000
 
 @pytest.mark.parametrize(
     ("name", "tuned"),
-    [(name, False) for name in PARTS] + [("two_ports", True)],
-    ids=[*PARTS, "two_ports tuned"],
+    [*((name, False) for name in PARTS), *((name, True) for name in TUNED)],
+    ids=[*PARTS, *(f"{name} tuned" for name in TUNED)],
 )
 def test_twins_agree(name: str, tuned: bool, tmp_path: Path) -> None:
     """1e-12 of the peak where damped; elsewhere the roundings of each step stay: N·ε·(1 + ωh)."""

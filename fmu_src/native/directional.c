@@ -1,5 +1,8 @@
 #include "directional.h"
 
+#include "motion.h"
+#include "outputs.h"
+
 #include <string.h>
 
 static bool static_start(const Instance *x)
@@ -45,7 +48,7 @@ void add_direction(Instance *x, Group group, size_t place, double dv)
 void spread_directions(Instance *x)
 {
     double *dq = x->seed[0], *da = x->seed[2];
-    const double *dv = x->seed[1], *v = x->motion[1];
+    const double *dv = x->seed[1], *v = motion(x, 1)[1];
     memset(da, 0, x->n * sizeof(double));
     for (size_t j = 0; j < x->model->m; j++)
         if (x->seed_u[j] != 0.0)
@@ -60,18 +63,16 @@ void spread_directions(Instance *x)
         }
         da[i] -= x->d[i] * dv[i] + (x->seed_alpha + x->model->lam[i] * x->seed_beta) * v[i];
     }
+    coupled_damping(&x->coupling, dv, da, x->kernels);
 }
 
 double directional_derivative(const Instance *x, Group group, size_t place)
 {
-    const unsigned int row = (unsigned int)place;
-    Outputs rows = {x->C, x->n, x->n_active, x->model->output_kinds, x->seed};
-    double value = 0.0;
     if (group == OUTPUT)
-        x->kernels->outputs(&rows, 0, &row, 0, 1, &value);
-    else if (group == DAMPING_RATIO)
-        value = damping_ratio(x->model->lam[place], x->seed_alpha + x->model->lam[place] * x->seed_beta);
-    else if (group == AMPLITUDE || group == AMPLITUDE_RATE || group == VELOCITY_RATE)
-        value = x->seed[group == AMPLITUDE ? 0 : group == AMPLITUDE_RATE ? 1 : 2][place];
-    return value;
+        return output_direction(x, place);
+    if (group == DAMPING_RATIO)
+        return damping_ratio(x->model->lam[place], x->seed_alpha + x->model->lam[place] * x->seed_beta);
+    if (group == AMPLITUDE || group == AMPLITUDE_RATE || group == VELOCITY_RATE)
+        return x->seed[group == AMPLITUDE ? 0 : group == AMPLITUDE_RATE ? 1 : 2][place];
+    return 0.0;
 }

@@ -14,10 +14,10 @@ INTERNAL bool is_unknown(const Instance *instance, Group group);
 INTERNAL void clear_directions(Instance *instance);
 INTERNAL void add_direction(Instance *instance, Group group, size_t place, double dv);
 
-/* Take the directions on to q'' (and to q in a static start): exact, the model is linear in inputs and
+/* Take the directions on to q'' (and to q in a static start): exact, the motion is linear in inputs and
  * states.
  *
- *     dq' = dv,   dq'' = B du - d dv - lam dq - (dalpha + lam dbeta) v;
+ *     dq' = dv,   dq'' = B du - D~ dv - lam dq - (dalpha + lam dbeta) v;
  *     in a static start dq = B du/lam, and then B du - lam dq = 0. */
 INTERNAL void spread_directions(Instance *instance);
 

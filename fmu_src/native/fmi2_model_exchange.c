@@ -1,6 +1,7 @@
 /* Model exchange: states q, v and their derivatives, for the solver of the tool; no events. */
 #include "component.h"
 #include "motion.h"
+#include "reals.h"
 
 #include <math.h>
 

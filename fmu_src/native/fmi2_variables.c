@@ -1,6 +1,6 @@
 /* Getting and setting variables; a call with one wrong reference or value changes nothing. */
 #include "component.h"
-#include "motion.h"
+#include "reals.h"
 
 #include <math.h>
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#define SCHEMA 1
+#define SCHEMA 2
 
 static const char *kind_name(const Json *value)
 {
@@ -65,6 +65,14 @@ static bool read_initial(const Json *header, bool *initial_static, Reason *reaso
            refuse(reason, HEADER ": initial: expected \"rest\" or \"static\"; " AGAIN);
 }
 
+static bool read_residual(const Json *header, bool *residual, Reason *reason)
+{
+    const Json *value = json_member(header, "residual");
+    *residual = value && value->kind == JSON_TRUE;
+    return *residual || (value && value->kind == JSON_FALSE) ||
+           refuse(reason, HEADER ": residual: got %s, expected true or false; " AGAIN, kind_name(value));
+}
+
 /* r, the length of lam; whether it is a whole number is seen when its file is read */
 static bool count_modes(const Json *header, size_t *r, Reason *reason)
 {
@@ -80,26 +88,27 @@ static bool count_modes(const Json *header, size_t *r, Reason *reason)
     return true;
 }
 
-/* The model in one block of memory: itself, its texts' places, what its outputs are, its texts. */
+/* The model in one block of memory: itself, its texts' places, the laws of its outputs, its texts. */
 static ReducedModel *new_model(const Json *name, const Json *ports, const PortSizes *sizes,
                                const Memory *memory)
 {
     size_t places = (sizes->inputs + sizes->outputs) * sizeof(char *);
-    size_t kinds = sizes->outputs * sizeof(OutputKind), texts_size = name->size + 1 + sizes->bytes;
-    ReducedModel *model = memory->allocate(1, sizeof *model + places + kinds + texts_size);
+    size_t laws_size = sizes->outputs * sizeof(Law), texts_size = name->size + 1 + sizes->bytes;
+    ReducedModel *model = memory->allocate(1, sizeof *model + places + laws_size + texts_size);
     if (!model)
         return NULL;
     const char **inputs = (const char **)(void *)(model + 1), **outputs = inputs + sizes->inputs;
-    OutputKind *output_kinds = (OutputKind *)(void *)(outputs + sizes->outputs);
-    char *texts = (char *)(output_kinds + sizes->outputs);
+    Law *laws = (Law *)(void *)(outputs + sizes->outputs);
+    char *texts = (char *)(laws + sizes->outputs);
     memcpy(texts, name->text, name->size + 1);
-    name_variables(ports, texts + name->size + 1, inputs, outputs, output_kinds);
+    name_variables(ports, texts + name->size + 1, inputs, outputs, laws);
     model->name = texts;
     model->m = sizes->inputs;
     model->p = sizes->outputs;
+    model->s = sizes->rows;
     model->inputs = inputs;
     model->outputs = outputs;
-    model->output_kinds = output_kinds;
+    model->laws = laws;
     return model;
 }
 
@@ -117,12 +126,12 @@ static bool is_xml(const Json *text, const char *what, Reason *reason)
 ReducedModel *described_model(const Json *header, const Memory *memory, Reason *reason)
 {
     double alpha = 0.0, beta = 0.0;
-    bool initial_static = false;
+    bool initial_static = false, residual = false;
     size_t r = 0;
-    PortSizes sizes = {0, 0, 0};
+    PortSizes sizes = {0, 0, 0, 0};
     if (!has_schema(header, reason) || !read_damping(header, "alpha", &alpha, reason) ||
         !read_damping(header, "beta", &beta, reason) || !read_initial(header, &initial_static, reason) ||
-        !count_modes(header, &r, reason))
+        !read_residual(header, &residual, reason) || !count_modes(header, &r, reason))
         return NULL;
     const Json *name = expected_member(header, "name", JSON_TEXT, reason);
     const Json *ports = name ? expected_member(header, "ports", JSON_LIST, reason) : NULL;
@@ -138,6 +147,7 @@ ReducedModel *described_model(const Json *header, const Memory *memory, Reason *
     model->alpha = alpha;
     model->beta = beta;
     model->initial_static = initial_static;
+    model->residual = residual;
     model->r = r;
     return model;
 }

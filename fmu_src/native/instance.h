@@ -1,14 +1,13 @@
 /* One instance of the FMU: its inputs, parameters and modal state, and what follows from them.
  *
- * No FMI here; the formulas are those of propagator.h, kernels.h and motion.h. Instances share nothing that
- * is written to: each may be used from a thread of its own. */
+ * No FMI here; the formulas are those of propagator.h, coupled.h, kernels.h, motion.h and outputs.h.
+ * Instances share nothing that is written to: each may be used from a thread of its own. */
 #ifndef MODALFMU_INSTANCE_H
 #define MODALFMU_INSTANCE_H
 
-#include "kernels.h"
+#include "coupling.h"
 #include "variables.h"
 
-#define KEPT_STEP_SIZES 16 /* masters form h as a difference of times, which jitters over a few values */
 #define SAME_POINT                                                                                           \
     1e-9        /* relative to max(1, |t|): a step that starts this near to the last one's end starts there */
 #define RATES 2 /* orders of the input derivatives and of the output derivatives */
@@ -18,15 +17,21 @@ typedef struct {
     const ReducedModel *model;
     Layout layout;
     const Kernels *kernels;
-    size_t n;
-    double *d;               /* damping for the present alpha, beta */
-    double *B, *C;           /* the columns of B, the rows of C */
-    OutputKind highest_kind; /* of the outputs */
-    bool initialising;       /* until fmi2ExitInitializationMode */
-    bool settled;            /* a static start is in equilibrium with the present inputs */
+    size_t n, n_inputs; /* r and m rounded up to whole registers */
+    double *d;          /* the diagonal of D~ for the present alpha, beta */
+    double *B, *C;      /* the columns of B, the rows of C */
+    double **C_of;      /* (p): the first row of each output, */
+    bool rows_only;     /* which has no other and is multiplied by q, q' or q'', */
+    Law highest_row;    /* of such outputs the last law */
+    bool feeds_through; /* R or R_in is there, */
+    double *R, *R_in;   /* their rows for the active modes, n_inputs numbers each, */
+    double **R_of;      /* (p): the first row of each output in R, */
+    bool *through;      /* (p): and whether one of its rows has an entry */
+    bool initialising;  /* until fmi2ExitInitializationMode */
+    bool settled;       /* a static start is in equilibrium with the present inputs */
     double time, alpha, beta;
     size_t active, n_active;   /* modes that move; the same rounded up to whole registers */
-    double *u[1 + RATES];      /* the inputs and their rates, (m) each */
+    double *u[1 + RATES];      /* the inputs and their rates, (n_inputs) each */
     bool rates_given;          /* rates were set for the next step, */
     bool rates_left;           /* or are those that the last step ended with */
     double *f[1 + RATES];      /* B u and its rates, */
@@ -37,6 +42,7 @@ typedef struct {
     Propagator kept[KEPT_STEP_SIZES];
     unsigned char newest[KEPT_STEP_SIZES]; /* places in `kept`, the one used last first */
     size_t kept_count;
+    Coupling coupling;        /* modes that damping couples */
     double *seed_u, *seed[3]; /* directions of a directional derivative: of u; of q, v, a; of alpha, beta */
     double seed_alpha, seed_beta;
     void *block;            /* the memory of all the vectors */
@@ -63,6 +69,9 @@ INTERNAL void set_active(Instance *instance, size_t active);
 INTERNAL void set_input(Instance *instance, size_t place, double value);
 INTERNAL void set_input_rate(Instance *instance, size_t order, size_t place, double value);
 
+/* No rates: the inputs are held. */
+INTERNAL void clear_rates(Instance *instance);
+
 /* One entry of q (order 0) or v (order 1); that of a mode switched off stays 0. */
 INTERNAL void set_state(Instance *instance, size_t order, size_t place, double value);
 
@@ -71,6 +80,9 @@ INTERNAL bool end_initialisation(Instance *instance, Reason *reason);
 
 /* Whether the motion can be computed: an input may be set to anything. */
 INTERNAL bool inputs_are_finite(const Instance *instance, Reason *reason);
+
+/* Modes that are off share a register with the last ones that are on: their coefficients are 0. */
+INTERNAL void switch_off(const Instance *instance, const Propagator *P);
 
 /* Move the state over one step, or say why not. */
 INTERNAL StepResult advance_instance(Instance *instance, double time, double h, Reason *reason);

@@ -10,9 +10,7 @@
 #define INLINE static inline
 #endif
 
-/* A decaying mode ends at 0: neither it nor its square in |q1|2 + |v1|2 becomes a subnormal number, on
- * which many processors are a hundred times slower. */
-#define TINY 1e-140
+#define COLUMNS 4 /* of a product that are summed at once; LANES is a multiple of it */
 
 INLINE double flushed(double x)
 {
@@ -70,23 +68,63 @@ INLINE double step_body(const Propagator *P, const double *restrict q, const dou
     return total(sum);
 }
 
+INLINE double dot_body(const double *restrict a, const double *restrict b, size_t n)
+{
+    double sum[LANES] = {0};
+    for (size_t i = 0; i < n; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            sum[k] += a[i + k] * b[i + k];
+    return total(sum);
+}
+
 INLINE void outputs_body(const Outputs *rows, size_t order, const unsigned int *references,
                          unsigned int first, size_t count, double *restrict y)
 {
     size_t n = rows->n;
     for (size_t j = 0; j < count; j++) {
-        size_t row = references[j] - first;
-        const double *restrict c = rows->C + row * rows->length, *restrict x =
-                                                                     rows->motion[rows->kinds[row] + order];
-        double sum[LANES] = {0};
-        for (size_t i = 0; i < n; i += LANES)
-            for (size_t k = 0; k < LANES; k++)
-                sum[k] += c[i + k] * x[i + k];
-        y[j] = total(sum);
+        size_t output = references[j] - first;
+        y[j] = dot_body(rows->row[output], rows->motion[rows->law[output] + order], n);
     }
 }
 
-/* The four bodies, compiled for one set of instructions. */
+INLINE void coupled_body(const double *restrict X, const double *restrict Y, const double *restrict Z,
+                         const double *restrict a, const double *restrict b, double *restrict q1,
+                         double *restrict v1, size_t g, size_t n)
+{
+    for (size_t i = 0; i < n; i += LANES) {
+        double Xa[LANES] = {0}, Yb[LANES] = {0}, Za[LANES] = {0}, Xb[LANES] = {0};
+        for (size_t j = 0; j < g; j++)
+            for (size_t k = 0; k < LANES; k++) {
+                size_t at = j * n + i + k;
+                Xa[k] += X[at] * a[j];
+                Yb[k] += Y[at] * b[j];
+                Za[k] += Z[at] * a[j];
+                Xb[k] += X[at] * b[j];
+            }
+        for (size_t k = 0; k < LANES; k++) {
+            q1[i + k] += Xa[k] + Yb[k];
+            v1[i + k] += Za[k] + Xb[k];
+        }
+    }
+}
+
+INLINE void multiply_body(double *restrict C, const double *restrict A, const double *restrict B, size_t g,
+                          size_t n)
+{
+    for (size_t j = 0; j < n; j += COLUMNS)
+        for (size_t i = j / LANES * LANES; i < n; i += LANES) {
+            double sum[COLUMNS][LANES] = {{0}};
+            for (size_t l = 0; l < g; l++)
+                for (size_t c = 0; c < COLUMNS; c++)
+                    for (size_t k = 0; k < LANES; k++)
+                        sum[c][k] += A[l * n + i + k] * B[(j + c) * n + l];
+            for (size_t c = 0; c < COLUMNS; c++)
+                for (size_t k = 0; k < LANES; k++)
+                    C[(j + c) * n + i + k] += sum[c][k];
+        }
+}
+
+/* The bodies, compiled for one set of instructions. */
 #define KERNELS(NAME, TARGET)                                                                                \
     TARGET static void add_##NAME(double *f, const double *column, double u, size_t n)                       \
     {                                                                                                        \
@@ -107,7 +145,21 @@ INLINE void outputs_body(const Outputs *rows, size_t order, const unsigned int *
     {                                                                                                        \
         outputs_body(rows, order, references, first, count, y);                                              \
     }                                                                                                        \
-    static const Kernels kernels_##NAME = {#NAME, add_##NAME, step_##NAME, step_held_##NAME, outputs_##NAME};
+    TARGET static double dot_##NAME(const double *a, const double *b, size_t n)                              \
+    {                                                                                                        \
+        return dot_body(a, b, n);                                                                            \
+    }                                                                                                        \
+    TARGET static void coupled_##NAME(const double *X, const double *Y, const double *Z, const double *a,    \
+                                      const double *b, double *q1, double *v1, size_t g, size_t n)           \
+    {                                                                                                        \
+        coupled_body(X, Y, Z, a, b, q1, v1, g, n);                                                           \
+    }                                                                                                        \
+    TARGET static void multiply_##NAME(double *C, const double *A, const double *B, size_t g, size_t n)      \
+    {                                                                                                        \
+        multiply_body(C, A, B, g, n);                                                                        \
+    }                                                                                                        \
+    static const Kernels kernels_##NAME = {#NAME,          add_##NAME, step_##NAME,    step_held_##NAME,     \
+                                           outputs_##NAME, dot_##NAME, coupled_##NAME, multiply_##NAME};
 
 KERNELS(baseline, )
 

@@ -1,52 +1,42 @@
 #include "ports.h"
 
+#include "kinds.h"
+
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define DIRECTIONS 3
-
-/* The variables that a port may have under a key; outputs stand in the order of OutputKind. */
-typedef struct {
-    const char *key;
-    size_t count;
-    const char *variables[3 * DIRECTIONS];
-} Known;
-
-static const Known known_inputs = {"inputs", DIRECTIONS, {"force.x", "force.y", "force.z"}};
-static const Known known_outputs = {
-    "outputs",
-    3 * DIRECTIONS,
-    {"displacement.x", "displacement.y", "displacement.z", "velocity.x", "velocity.y", "velocity.z",
-     "acceleration.x", "acceleration.y", "acceleration.z"},
-};
-
-/* The place of a variable among the known ones; their count where it is none of them. */
-static size_t variable_place(const Json *variable, const Known *known)
+/* The kind of a variable; NULL where it is none of the known ones. */
+static const Kind *kind_of(const Json *variable, const Kinds *known)
 {
-    size_t place = 0;
-    while (place < known->count && !json_text_is(variable, known->variables[place]))
-        place++;
-    return place;
+    for (size_t k = 0; k < known->count; k++)
+        if (json_text_is(variable, known->kinds[k].name))
+            return &known->kinds[k];
+    return NULL;
 }
 
-/* The variables of one port: known ones, none twice. */
-static bool check_variables(const Json *port, const Known *known, size_t *count, size_t *bytes,
-                            Reason *reason)
+/* The variables of one port under a key: known ones, none twice. Outputs count their rows too. */
+static bool check_variables(const Json *port, const char *key, Kinds known, size_t *count, size_t *rows,
+                            size_t *bytes, Reason *reason)
 {
     const Json *name = json_member(port, "name");
-    const Json *list = expected_member(port, known->key, JSON_LIST, reason);
+    const Json *list = expected_member(port, key, JSON_LIST, reason);
     if (!list)
         return false;
     const Json *variable = list + 1;
-    unsigned int found = 0;
+    uint64_t found = 0;
     for (size_t k = 0; k < list->size; k++, variable += variable->span) {
-        if (!is_of_kind(variable, JSON_TEXT, known->key, reason))
+        if (!is_of_kind(variable, JSON_TEXT, key, reason))
             return false;
-        size_t place = variable_place(variable, known);
-        if (place == known->count || (found >> place & 1))
+        const Kind *kind = kind_of(variable, &known);
+        if (!kind && known.count == 0)
+            return refuse(reason, HEADER ": port %s: %s: expected none; " AGAIN, name->text, key);
+        uint64_t bit = kind ? UINT64_C(1) << (kind - known.kinds) : 0;
+        if (!kind || found & bit)
             return refuse(reason, HEADER ": port %s: %s: expected %s ... %s, each once; " AGAIN, name->text,
-                          known->key, known->variables[0], known->variables[known->count - 1]);
-        found |= 1u << place;
+                          key, known.kinds[0].name, known.kinds[known.count - 1].name);
+        found |= bit;
+        *rows += law_rows(kind->law);
         *bytes += name->size + 1 + variable->size + 1;
     }
     *count += list->size;
@@ -78,13 +68,16 @@ static bool check_unique(const Json *ports, const Memory *memory, Reason *reason
 bool check_ports(const Json *ports, PortSizes *sizes, const Memory *memory, Reason *reason)
 {
     const Json *port = ports + 1;
+    size_t no_rows = 0; /* of inputs */
     for (size_t k = 0; k < ports->size; k++, port += port->span) {
         const Json *name = is_of_kind(port, JSON_OBJECT, "ports", reason)
                                ? expected_member(port, "name", JSON_TEXT, reason)
                                : NULL;
         if (!name || !is_identifier(name, "name of a port", reason) ||
-            !check_variables(port, &known_inputs, &sizes->inputs, &sizes->bytes, reason) ||
-            !check_variables(port, &known_outputs, &sizes->outputs, &sizes->bytes, reason))
+            !check_variables(port, "inputs", inputs_of_port(name->text), &sizes->inputs, &no_rows,
+                             &sizes->bytes, reason) ||
+            !check_variables(port, "outputs", outputs_of_port(name->text), &sizes->outputs, &sizes->rows,
+                             &sizes->bytes, reason))
             return false;
     }
     if (sizes->inputs + sizes->outputs == 0)
@@ -92,16 +85,13 @@ bool check_ports(const Json *ports, PortSizes *sizes, const Memory *memory, Reas
     return check_unique(ports, memory, reason);
 }
 
-/* Writes "port.force.x" for the variables of one port and takes note of where each is and of its kind. */
-static char *join_names(const Json *port, const Known *known, char *bytes, const char **names,
-                        OutputKind *kinds)
+/* Writes "port.force.x" for the variables of one port under a key and takes note of where each is. */
+static char *join_names(const Json *port, const char *key, char *bytes, const char **names)
 {
-    const Json *name = json_member(port, "name"), *list = json_member(port, known->key);
+    const Json *name = json_member(port, "name"), *list = json_member(port, key);
     for (size_t k = 0; k < list->size; k++) {
         const Json *variable = list + 1 + k;
         names[k] = bytes;
-        if (kinds)
-            kinds[k] = (OutputKind)(variable_place(variable, known) / DIRECTIONS);
         memcpy(bytes, name->text, name->size);
         bytes += name->size;
         *bytes++ = '.';
@@ -111,15 +101,17 @@ static char *join_names(const Json *port, const Known *known, char *bytes, const
     return bytes;
 }
 
-void name_variables(const Json *ports, char *bytes, const char **inputs, const char **outputs,
-                    OutputKind *output_kinds)
+void name_variables(const Json *ports, char *bytes, const char **inputs, const char **outputs, Law *laws)
 {
     const Json *port = ports + 1;
     for (size_t k = 0; k < ports->size; k++, port += port->span) {
-        bytes = join_names(port, &known_inputs, bytes, inputs, NULL);
-        bytes = join_names(port, &known_outputs, bytes, outputs, output_kinds);
+        const Json *measured = json_member(port, "outputs");
+        const Kinds known = outputs_of_port(json_member(port, "name")->text);
+        bytes = join_names(port, "inputs", bytes, inputs);
+        bytes = join_names(port, "outputs", bytes, outputs);
+        for (size_t i = 0; i < measured->size; i++)
+            *laws++ = kind_of(measured + 1 + i, &known)->law;
         inputs += json_member(port, "inputs")->size;
-        outputs += json_member(port, "outputs")->size;
-        output_kinds += json_member(port, "outputs")->size;
+        outputs += measured->size;
     }
 }

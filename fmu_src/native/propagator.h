@@ -4,6 +4,8 @@
 
 #include "common.h"
 
+#define KEPT_STEP_SIZES 16 /* masters form h as a difference of times, which jitters over a few values */
+
 /* [q, v](t+h) = E(h) [q, v](t) + G0 f + G1 f' + G2 f''  for the force f + f' s + f'' s2/2, 0 <= s <= h.
  *
  * E = [[E11, E12], [E21, E22]]; the velocity rows of G0, G1, G2 are their derivatives by h: E12, G0, G1.

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #define HEADER_LIMIT ((size_t)1 << 24) /* bytes of model.json: some hundred thousand ports */
-#define ARRAY_COUNT 4
+#define ARRAY_COUNT 6
 
 /* One array: its key in model.json, its shape, and where the model has it. */
 typedef struct {
@@ -67,7 +67,7 @@ static bool read_array(const Json *arrays, Array *array, const Files *files, con
     const Json *entry = expected_member(arrays, array->key, JSON_OBJECT, reason);
     if (!entry || !has_shape(entry, array, reason))
         return false;
-    uint64_t size = (uint64_t)array->shape[0] * array->shape[1] * sizeof(double); /* r <= 2^28; m, p < 2^24 */
+    uint64_t size = (uint64_t)array->shape[0] * array->shape[1] * sizeof(double); /* r <= 2^28; m, s < 2^27 */
     if (size > ARRAY_LIMIT)
         return refuse(reason, HEADER ": %s: got the shape %zu x %zu, expected at most %zu bytes; " AGAIN,
                       array->key, array->shape[0], array->shape[1], ARRAY_LIMIT);
@@ -83,20 +83,32 @@ static bool read_array(const Json *arrays, Array *array, const Files *files, con
     return false;
 }
 
-/* 0 <= lambda ascending, D_rest diagonal with entries >= 0, lambda > 0 for a static start. */
+static bool is_symmetric(const double *A, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < i; j++)
+            if (A[i * n + j] != A[j * n + i])
+                return false;
+    return true;
+}
+
+/* 0 <= lambda ascending; D_rest symmetric with a diagonal >= 0, R_in symmetric; lambda > 0 for a static
+ * start.
+ */
 static bool check_values(const ReducedModel *model, Reason *reason)
 {
     const double *lam = model->lam;
-    for (size_t i = 0; i < model->r; i++)
+    size_t r = model->r;
+    for (size_t i = 0; i < r; i++) {
         if (lam[i] < (i > 0 ? lam[i - 1] : 0.0))
             return refuse(reason, "model/lam.npy: expected eigenvalues >= 0 in ascending order; " AGAIN);
-    for (size_t i = 0; i < model->r; i++)
-        for (size_t j = 0; j < model->r; j++) {
-            double d = model->D_rest[i * model->r + j];
-            if (i == j ? d < 0.0 : d != 0.0)
-                return refuse(reason,
-                              "model/D_rest.npy: expected a diagonal matrix with entries >= 0; " AGAIN);
-        }
+        if (model->D_rest[i * r + i] < 0.0)
+            return refuse(reason, "model/D_rest.npy: expected a diagonal >= 0; " AGAIN);
+    }
+    if (!is_symmetric(model->D_rest, r))
+        return refuse(reason, "model/D_rest.npy: expected a symmetric matrix; " AGAIN);
+    if (!is_symmetric(model->R_in, model->m))
+        return refuse(reason, "model/R_in.npy: expected a symmetric matrix; " AGAIN);
     return !(model->initial_static && lam[0] == 0.0) ||
            refuse(reason, HEADER ": got a static start with a rigid mode, expected lam > 0; " AGAIN);
 }
@@ -104,12 +116,11 @@ static bool check_values(const ReducedModel *model, Reason *reason)
 static bool read_arrays(const Json *header, ReducedModel *model, const Files *files, const Memory *memory,
                         Reason *reason)
 {
-    size_t r = model->r;
+    size_t r = model->r, m = model->m, s = model->s;
     Array arrays[ARRAY_COUNT] = {
-        {"lam", 1, {r, 1}, &model->lam},
-        {"D_rest", 2, {r, r}, &model->D_rest},
-        {"B", 2, {r, model->m}, &model->B},
-        {"C", 2, {model->p, r}, &model->C},
+        {"lam", 1, {r, 1}, &model->lam}, {"D_rest", 2, {r, r}, &model->D_rest},
+        {"B", 2, {r, m}, &model->B},     {"C", 2, {s, r}, &model->C},
+        {"R", 2, {s, m}, &model->R},     {"R_in", 2, {m, m}, &model->R_in},
     };
     for (size_t k = 0; k < ARRAY_COUNT; k++)
         if (!read_array(json_member(header, "arrays"), &arrays[k], files, memory, reason))
@@ -154,7 +165,8 @@ const ReducedModel *read_model(const Files *files, const Memory *memory, Reason 
 
 void free_model(const ReducedModel *model, const Memory *memory)
 {
-    const double *const arrays[ARRAY_COUNT] = {model->lam, model->D_rest, model->B, model->C};
+    const double *const arrays[ARRAY_COUNT] = {model->lam, model->D_rest, model->B,
+                                               model->C,   model->R,      model->R_in};
     for (size_t k = 0; k < ARRAY_COUNT; k++)
         if (arrays[k])
             memory->release((void *)arrays[k]);

@@ -10,9 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from .model import OUTPUT_UNITS, Floats, ReducedModel
+from .coupled import CoupledPropagator, coupled_propagator
+from .model import Floats, ReducedModel
+from .outputs import feedthrough, outputs, rows_by_law
 from .propagator import Propagator, propagator
-from .step import State, acceleration, at_rest, keep_modes, static_solution, step
+from .step import State, acceleration, at_rest, coupled_step, keep_modes, static_solution, step
 from .variables import layout
 
 KEPT_STEP_SIZES = 16  # masters form h as a difference of times, which jitters over a few values
@@ -25,9 +27,6 @@ class Instance:
     def __init__(self, model: ReducedModel) -> None:
         self.model = model
         self.layout = layout(model)
-        kinds = np.array(model.output_kinds)
-        self._rows = {kind: np.flatnonzero(kinds == kind) for kind in OUTPUT_UNITS}
-        self._C = {kind: np.ascontiguousarray(model.C[rows]) for kind, rows in self._rows.items()}
         self.initialising = True
         self.time = 0.0
         self.alpha, self.beta = model.alpha, model.beta
@@ -36,21 +35,34 @@ class Instance:
         self.state = at_rest(len(model.lam))
         self._reals = np.zeros(self.layout.size)
         self._reals[self.layout.frequency] = model.frequency
+        self._see_through()
         self._damp()
 
+    def _see_through(self) -> None:
+        """Take up which modes are active in what the inputs move at once."""
+        through = feedthrough(self.model, self.active)
+        self._rows, self._R_in = rows_by_law(self.model, through.R), through.R_in
+
     def _damp(self) -> None:
-        """Take up α, β: the step coefficients of earlier ones no longer hold."""
+        """Take up α, β and which modes are coupled: the step coefficients of earlier ones no longer hold."""
         place, y = self.layout, self._reals
         y[place.alpha], y[place.beta] = self.alpha, self.beta
         with np.errstate(all="ignore"):  # the host may have made numpy's warnings errors
             y[place.damping_ratio] = self.model.damping_ratio(self.alpha, self.beta)
             lam, d = self.model.lam, self.model.damping(self.alpha, self.beta)
+        group = self.model.coupled[self.model.coupled < self.active]
+        D = self.model.D_rest[np.ix_(group, group)]
+        np.fill_diagonal(D, d[group])
 
         @lru_cache(maxsize=KEPT_STEP_SIZES)
-        def coefficients(h: float) -> Propagator:
-            return propagator(lam, d, h)
+        def coefficients(h: float) -> tuple[Propagator, CoupledPropagator | None]:
+            return propagator(lam, d, h), coupled_propagator(lam[group], D, h) if len(group) else None
 
-        self._d, self._propagator = d, coefficients
+        self._d, self._group, self._propagators = d, group, coefficients
+        self._D_off = None
+        if len(group):
+            self._D_off = np.zeros_like(self.model.D_rest)
+            self._D_off[np.ix_(group, group)] = D - np.diag(np.diag(D))
         self._stale = True
 
     def _modal_force(self) -> Floats:
@@ -76,12 +88,22 @@ class Instance:
             bad = int(np.flatnonzero(~np.isfinite(self.u))[0])
             return f"{self.model.inputs[bad]} is {self.u[bad]}, expected a finite number"
         with np.errstate(all="ignore"):
-            state = step(self._propagator(h), self.state, self._modal_force())
+            state = self._moved(h, self._modal_force())
             if not np.isfinite(state.q @ state.q + state.v @ state.v):
                 return f"the motion over communicationStepSize = {h} is beyond the range of numbers"
         self.state, self.time = state, time + h
         self._stale = True
         return None
+
+    def _moved(self, h: float, f: Floats) -> State:
+        """The state after a step: modes on their own, and those that damping couples together."""
+        alone, together = self._propagators(h)
+        state = step(alone, self.state, f)
+        if together is not None:
+            group = self._group
+            moved = coupled_step(together, State(self.state.q[group], self.state.v[group]), f[group])
+            state.q[group], state.v[group] = moved.q, moved.v
+        return state
 
     def set_damping(self, alpha: float, beta: float) -> None:
         """New α, β from here on; the state stays."""
@@ -91,7 +113,11 @@ class Instance:
 
     def set_active(self, active: int) -> None:
         """Keep the first modes; those switched off go to rest, those switched on start from rest."""
-        self.active = active
+        if active != self.active:
+            self.active = active
+            self._see_through()
+            if len(self.model.coupled):
+                self._damp()
         self.state = keep_modes(self.state, active)
         self._settle()
 
@@ -114,10 +140,9 @@ class Instance:
         if self._stale:
             place, y = self.layout, self._reals
             with np.errstate(all="ignore"):  # an input may be infinite, and then outputs are
-                a = acceleration(self.model.lam, self._d, self.state, self._modal_force())
-                outputs = y[place.outputs]
-                for kind, motion in zip(OUTPUT_UNITS, (self.state.q, self.state.v, a), strict=True):
-                    outputs[self._rows[kind]] = self._C[kind] @ motion
+                lam, state = self.model.lam, self.state
+                a = acceleration(lam, self._d, self._D_off, state, self._modal_force())
+                y[place.outputs] = outputs(self._rows, lam, self.alpha, self._R_in, state, a, self.u)
             y[place.inputs] = self.u
             y[place.q], y[place.v] = self.state.q, self.state.v
             y[place.q_dot], y[place.v_dot] = self.state.v, a
@@ -153,12 +178,13 @@ class Instance:
             raise ValueError("its vectors have other lengths")
         if not (np.isfinite(numbers).all() and min(alpha, beta) >= 0 and 0 <= active <= len(q)):
             raise ValueError("its values are out of range")
-        self.initialising, self.time, self.active, self.u = initialising, time, active, u
+        self.initialising, self.time, self.u = initialising, time, u
+        self.set_active(active)
         self.state = State(q, v)
         self.set_damping(alpha, beta)
         self._stale = True
 
     def _digest(self) -> str:
         model = self.model
-        arrays = b"".join(array.tobytes() for array in (model.lam, model.D_rest, model.B, model.C))
+        arrays = b"".join(array.tobytes() for array in (model.lam, model.D_rest, model.B, model.C, model.R))
         return hashlib.sha256(arrays).hexdigest()[:16]

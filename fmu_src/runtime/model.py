@@ -1,23 +1,23 @@
 """The reduced model: modal oscillators between ports [2.29–2.32]."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import ModelError
+from .kinds import ROWS, Law, inputs_of, outputs_of
 
 Floats: TypeAlias = NDArray[np.float64]
+Ints: TypeAlias = NDArray[np.intp]
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 NOT_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 LONGEST_NAME = 200  # the FMU's files carry it, and file systems end at 255 bytes
-INPUT_UNITS = {"force": "N"}
-OUTPUT_UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
-INPUTS = tuple(f"{kind}.{k}" for kind in INPUT_UNITS for k in "xyz")
-OUTPUTS = tuple(f"{kind}.{k}" for kind in OUTPUT_UNITS for k in "xyz")
 
 
 @dataclass(frozen=True)
@@ -31,13 +31,16 @@ class Port:
 
 @dataclass(frozen=True, eq=False)  # arrays have no one truth value
 class ReducedModel:
-    """q̈ + D̃ q̇ + Λ q = B f,  y = C q, C q̇ or C q̈,  D̃ = αI + βΛ + D_rest [2.28, 2.32].
+    """q̈ + D̃ q̇ + Λ q = B u,  D̃ = αI + βΛ + D_rest,  outputs from C q, C q̇ or C q̈ and R u [2.28, 2.32].
 
     lam: (r,) λ ≥ 0 ascending, 1/s², exactly 0 for rigid modes; alpha in 1/s, beta in s;
-    D_rest: (r, r) 1/s, diagonal, what no α and β describe; B: (r, m) one column per input;
-    C: (p, r) one row per output, both in the order of `ports`; the modes are mass-normalised,
-    so that B and C are in kg^-1/2 and q in kg^1/2·m. initial: "rest", or "static" for the
-    equilibrium with the start values of the inputs.
+    D_rest: (r, r) 1/s, symmetric ≥ 0, what no α and β describe; an entry off its diagonal couples two modes;
+    B: (r, m) one column per input; C: (s, r) and R: (s, m), `ROWS[law]` rows per output (kinds.py), R being
+    the feed-through of its inputs; all in the order of `ports`. The modes are mass-normalised, so that q is
+    in kg^½·m, B and C for forces and displacements in kg^-½.
+    R_in: (m, m) symmetric, the residual flexibility between the inputs: ½ uᵀR_in u is its strain energy.
+    residual: elastic modes that are switched off follow statically and join R and R_in.
+    initial: "rest", or "static" for the equilibrium with the start values of the inputs.
 
     Raises ModelError where a shape or value is not so.
     """
@@ -50,31 +53,37 @@ class ReducedModel:
     D_rest: Floats
     B: Floats
     C: Floats
+    R: Floats
+    R_in: Floats
     ports: tuple[Port, ...]
     initial: Literal["rest", "static"] = "rest"
+    residual: bool = False
 
     def __post_init__(self) -> None:
         _check_names(self)
-        r, m, p = len(self.lam), len(self.inputs), len(self.outputs)
+        r, m, s = len(self.lam), len(self.inputs), sum(ROWS[law] for law in self.laws)
         for key, array, shape in (
             ("lam", self.lam, (r,)),
             ("D_rest", self.D_rest, (r, r)),
             ("B", self.B, (r, m)),
-            ("C", self.C, (p, r)),
+            ("C", self.C, (s, r)),
+            ("R", self.R, (s, m)),
+            ("R_in", self.R_in, (m, m)),
         ):
             if array.shape != shape or array.dtype != np.float64:
                 raise ModelError(f"{key}: got {array.dtype} {array.shape}, expected float64 {shape}")
             if not np.isfinite(array).all():
                 raise ModelError(f"{key}: got a value that is not finite, expected finite numbers")
-        if r == 0 or m + p == 0:
-            raise ModelError(f"got {r} modes, {m} inputs and {p} outputs, expected a mode and a port")
+        if r == 0 or not (self.inputs or self.outputs):
+            raise ModelError(f"got {r} modes, {m} inputs and no output, expected a mode and a port")
         if self.lam[0] < 0 or (np.diff(self.lam) < 0).any():
             raise ModelError("lam: expected eigenvalues ≥ 0 in ascending order")
         if not (0 <= self.alpha < np.inf and 0 <= self.beta < np.inf):
             raise ModelError(f"got alpha {self.alpha}, beta {self.beta}, expected finite numbers ≥ 0")
-        diagonal = np.diag(self.D_rest)
-        if (diagonal < 0).any() or np.count_nonzero(self.D_rest) != np.count_nonzero(diagonal):
-            raise ModelError("D_rest: expected a diagonal matrix with entries ≥ 0")
+        if (np.diag(self.D_rest) < 0).any() or (self.D_rest != self.D_rest.T).any():
+            raise ModelError("D_rest: expected a symmetric matrix with a diagonal ≥ 0")
+        if (self.R_in != self.R_in.T).any():
+            raise ModelError("R_in: expected a symmetric matrix")
         if self.initial not in ("rest", "static"):
             raise ModelError(f'initial: got {self.initial!r}, expected "rest" or "static"')
         if self.initial == "static" and self.lam[0] == 0:
@@ -91,9 +100,16 @@ class ReducedModel:
         return tuple(f"{port.name}.{key}" for port in self.ports for key in port.outputs)
 
     @property
-    def output_kinds(self) -> tuple[str, ...]:
-        """What each output is, a key of OUTPUT_UNITS."""
-        return tuple(key.split(".")[0] for port in self.ports for key in port.outputs)
+    def laws(self) -> tuple[Law, ...]:
+        """How each output is computed."""
+        return tuple(outputs_of(port.name)[key].law for port in self.ports for key in port.outputs)
+
+    @property
+    def coupled(self) -> Ints:
+        """The modes that D_rest couples to another one, ascending."""
+        off = self.D_rest - np.diag(np.diag(self.D_rest))
+        found: Ints = np.flatnonzero(off.any(axis=1))
+        return found
 
     @property
     def frequency(self) -> Floats:
@@ -101,7 +117,7 @@ class ReducedModel:
         return np.sqrt(self.lam) / (2 * np.pi)
 
     def damping(self, alpha: float, beta: float) -> Floats:
-        """dᵢ = α + βλᵢ + D_rest,ᵢᵢ in 1/s, (r,) [2.28]."""
+        """dᵢ = α + βλᵢ + D_rest,ᵢᵢ in 1/s, (r,) [2.28]: the diagonal of D̃."""
         return alpha + beta * self.lam + np.diag(self.D_rest)
 
     def damping_ratio(self, alpha: float, beta: float) -> Floats:
@@ -114,6 +130,11 @@ def damping_ratio(lam: Floats, d: Floats) -> Floats:
     omega = np.sqrt(lam)
     zeta: Floats = np.divide(d, 2 * omega, out=np.zeros_like(omega), where=omega > 0)
     return zeta
+
+
+def row_starts(laws: Sequence[Law]) -> list[int]:
+    """The first row of C and R of each output, and the number of rows at the end."""
+    return [0, *accumulate(ROWS[law] for law in laws)]
 
 
 def _check_names(model: ReducedModel) -> None:
@@ -129,10 +150,11 @@ def _check_names(model: ReducedModel) -> None:
     names = [port.name for port in model.ports]
     if len(set(names)) != len(names):
         raise ModelError(f"ports: got the names {names}, expected unique names")
-    known = INPUTS + OUTPUTS
     for port in model.ports:
-        unknown = [k for k in port.inputs if k not in INPUTS] + [k for k in port.outputs if k not in OUTPUTS]
-        if unknown:
-            raise ModelError(f"port {port.name}: got {unknown[0]!r}, expected one of {', '.join(known)}")
-        if len({*port.inputs}) + len({*port.outputs}) < len(port.inputs + port.outputs):
-            raise ModelError(f"port {port.name}: got a variable twice, expected each once")
+        for given, known in ((port.inputs, inputs_of(port.name)), (port.outputs, outputs_of(port.name))):
+            unknown = [key for key in given if key not in known]
+            if unknown:
+                listed = ", ".join(known) or "none"
+                raise ModelError(f"port {port.name}: got {unknown[0]!r}, expected one of {listed}")
+            if len({*given}) < len(given):
+                raise ModelError(f"port {port.name}: got a variable twice, expected each once")

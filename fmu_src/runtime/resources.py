@@ -16,12 +16,19 @@ import numpy as np
 from .errors import ModelError
 from .model import Floats, Port, ReducedModel
 
-SCHEMA = 1
-ARRAYS = {"lam": "1/s2", "D_rest": "1/s", "B": "kg^-1/2", "C": "kg^-1/2"}
+SCHEMA = 2
+ARRAYS = {
+    "lam": "1/s2",
+    "D_rest": "1/s",
+    "B": "kg^1/2.m/s2 per unit of the input",
+    "C": "unit of the output per kg^1/2.m, with its derivative by time",
+    "R": "unit of the output per unit of the input",
+    "R_in": "J per product of the units of two inputs, twice",
+}
 LIMIT = 1 << 31  # bytes of one file; a larger one is no reduced model
 AGAIN = "build the FMU again"
 NPY = b"\x93NUMPY\x01\x00"  # how a file of format 1.0 begins
-KINDS = {str: "a text", float: "a number", list: "a list"}
+KINDS = {str: "a text", float: "a number", list: "a list", bool: "true or false"}
 
 T = TypeVar("T")
 
@@ -36,6 +43,7 @@ def write_model(model: ReducedModel) -> dict[str, bytes]:
         "alpha": model.alpha,
         "beta": model.beta,
         "initial": model.initial,
+        "residual": model.residual,
         "ports": [
             {"name": port.name, "inputs": list(port.inputs), "outputs": list(port.outputs)}
             for port in model.ports
@@ -74,6 +82,7 @@ def read_model(folder: Path) -> ReducedModel:
             alpha=_of_kind(float, header["alpha"]),
             beta=_of_kind(float, header["beta"]),
             initial=header["initial"],
+            residual=_of_kind(bool, header["residual"]),
             ports=ports,
             **arrays,
         )

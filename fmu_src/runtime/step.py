@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .coupled import CoupledPropagator
 from .model import Floats
 from .propagator import Propagator
 
@@ -35,9 +36,22 @@ def step(
     )
 
 
-def acceleration(lam: Floats, d: Floats, state: State, f: Floats) -> Floats:
-    """q̈ = f − d q̇ − λ q, (r,) [2.32]."""
-    return f - d * state.v - lam * state.q
+def coupled_step(
+    P: CoupledPropagator, state: State, f: Floats, f_dot: Floats | None = None, f_ddot: Floats | None = None
+) -> State:
+    """The same for modes that damping couples: state and forces are those of the group alone, (g,) each."""
+    q, v = P.E11 @ state.q + P.E12 @ state.v + P.G0 @ f, P.E21 @ state.q + P.E22 @ state.v + P.E12 @ f
+    if f_dot is not None:
+        q, v = q + P.G1 @ f_dot, v + P.G0 @ f_dot
+    if f_ddot is not None:
+        q, v = q + P.G2 @ f_ddot, v + P.G1 @ f_ddot
+    return State(q, v)
+
+
+def acceleration(lam: Floats, d: Floats, D_off: Floats | None, state: State, f: Floats) -> Floats:
+    """q̈ = f − D̃ q̇ − λ q, (r,) [2.32]; d (r,) the diagonal of D̃, D_off (r, r) the rest of it, if any."""
+    a = f - d * state.v - lam * state.q
+    return a if D_off is None else a - D_off @ state.v
 
 
 def static_solution(lam: Floats, f: Floats) -> State:

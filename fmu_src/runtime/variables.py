@@ -8,7 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from .model import INPUT_UNITS, OUTPUT_UNITS, Floats, ReducedModel
+from .kinds import inputs_of, outputs_of
+from .model import Floats, Port, ReducedModel
 
 
 @dataclass(frozen=True)
@@ -64,8 +65,8 @@ def variables(model: ReducedModel) -> tuple[Variable, ...]:
     q_nominal, v_nominal = _nominal(model, omega)
     static = model.initial == "static"
     reals = [
-        *(_input(name) for name in model.inputs),
-        *(_output(name) for name in model.outputs),
+        *(_input(port, key) for port in model.ports for key in port.inputs),
+        *(_output(port, key) for port in model.ports for key in port.outputs),
         _parameter("damping.alpha", model.alpha, "1/s", "mass-proportional damping, d = alpha + beta*lambda"),
         _parameter(
             "damping.beta", model.beta, "s", "stiffness-proportional damping, d = alpha + beta*lambda"
@@ -124,16 +125,18 @@ def variables(model: ReducedModel) -> tuple[Variable, ...]:
     return (*reals, active)
 
 
-def _input(name: str) -> Variable:
-    port, kind, axis = name.split(".")
-    text = f"{kind} in {axis} at {port}"
-    return Variable(name, "Real", "input", "continuous", None, text, unit=INPUT_UNITS[kind], start=0.0)
+def _input(port: Port, key: str) -> Variable:
+    about = inputs_of(port.name)[key]
+    text = about.text.format(port=port.name)
+    return Variable(
+        f"{port.name}.{key}", "Real", "input", "continuous", None, text, unit=about.unit, start=0.0
+    )
 
 
-def _output(name: str) -> Variable:
-    port, kind, axis = name.split(".")
-    text = f"{kind} in {axis} of {port}"
-    return Variable(name, "Real", "output", "continuous", "calculated", text, unit=OUTPUT_UNITS[kind])
+def _output(port: Port, key: str) -> Variable:
+    about = outputs_of(port.name)[key]
+    text = about.text.format(port=port.name)
+    return Variable(f"{port.name}.{key}", "Real", "output", "continuous", "calculated", text, unit=about.unit)
 
 
 def _parameter(name: str, start: float, unit: str, text: str) -> Variable:

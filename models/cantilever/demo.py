@@ -26,7 +26,7 @@ SHAPES = ["z bending 1", "y bending 1", "z bending 2", "y bending 2", "z bending
 
 def beam_of(reduction: Reduction) -> Beam:
     """The part as theory sees it."""
-    low, high = reduction.mesh.bounds
+    low, high = reduction.full.nodes.points.min(axis=0), reduction.full.nodes.points.max(axis=0)
     steel = reduction.part.materials[0]
     return Beam(*(high - low), steel.young, steel.poisson, steel.density)
 

@@ -18,7 +18,8 @@
 typedef struct {
     size_t n, m, read;
     double *B, *C, *f, *q[2], *v[2], *y;
-    const OutputKind *kinds;
+    const Law *laws;
+    double **rows; /* of C: each output of the parts here has one */
     Propagator P;
     const Kernels *kernels;
 } Bare;
@@ -26,14 +27,17 @@ typedef struct {
 static Bare bare_work(const ReducedModel *model, size_t read)
 {
     size_t r = model->r, m = model->m, n = (r + LANES - 1) / LANES * LANES;
-    Bare x = {.n = n, .m = m, .read = read, .kinds = model->output_kinds, .kernels = best_kernels()};
+    Bare x = {.n = n, .m = m, .read = read, .laws = model->laws, .kernels = best_kernels()};
     double **vectors[] = {&x.f,     &x.q[0],  &x.q[1],  &x.v[0], &x.v[1], &x.P.E11,
                           &x.P.E12, &x.P.E21, &x.P.E22, &x.P.G0, &x.P.G1, &x.P.G2};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
         *vectors[k] = lines_of_memory(n, sizeof(double));
     x.y = lines_of_memory(read, sizeof(double));
+    x.rows = lines_of_memory(model->p, sizeof *x.rows);
     x.B = lines_of_memory(m * n, sizeof(double));
     x.C = lines_of_memory(model->p * n, sizeof(double));
+    for (size_t k = 0; k < model->p; k++)
+        x.rows[k] = x.C + k * n;
     double *d = lines_of_memory(r, sizeof(double));
     for (size_t i = 0; i < r; i++) {
         d[i] = model->alpha + model->beta * model->lam[i] + model->D_rest[i * r + i];
@@ -58,7 +62,7 @@ static void bare_cycle(Bare *x, const double *u, const unsigned int *references)
     double *q = x->q[0], *v = x->v[0];
     x->q[0] = x->q[1], x->v[0] = x->v[1];
     x->q[1] = q, x->v[1] = v;
-    Outputs rows = {x->C, x->n, x->n, x->kinds, (double *const[]){x->q[0], x->v[0]}};
+    Outputs rows = {x->rows, x->n, x->laws, (double *const[]){x->q[0], x->v[0]}};
     x->kernels->outputs(&rows, 0, references, (unsigned int)x->m, x->read, x->y);
 }
 

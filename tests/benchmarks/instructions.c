@@ -37,10 +37,13 @@ int main(int count, char **given)
            *y = numbers(p);
     double *B = numbers(m * n), *C = numbers(p * n), *u = numbers(m), *times[3], *motion[] = {q1, v1};
     unsigned int *references = lines_of_memory(p, sizeof *references);
-    OutputKind *kinds = lines_of_memory(p, sizeof *kinds);
-    for (size_t k = 0; k < p; k++)
+    Law *laws = lines_of_memory(p, sizeof *laws);
+    double **places = lines_of_memory(p, sizeof *places);
+    for (size_t k = 0; k < p; k++) {
         references[k] = (unsigned int)k;
-    Outputs rows = {C, n, n, kinds, motion};
+        places[k] = C + k * n;
+    }
+    Outputs rows = {places, n, laws, motion};
     for (size_t k = 0; k < usable; k++)
         times[k] = lines_of_memory(batches, sizeof(double));
     for (size_t batch = 0; batch < batches; batch++)

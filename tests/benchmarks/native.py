@@ -37,6 +37,7 @@ def main() -> None:
         cycles(scratch, 3000 // scale)
         against_python(scratch, 200 // scale)
         single_steps(scratch, 1_000_000 // scale)
+        coupled_steps(scratch, 100_000 // scale)
         instruction_sets(scratch, 2000 // scale)
         integration(scratch)
         sizes(scratch)
@@ -83,6 +84,19 @@ def single_steps(scratch: Path, steps: int) -> None:
             f"{row} {t['median']:8.0f} {t['p999']:8.0f} {t['maximum']:10.0f} {t['new']:9.0f}"
             f" {t['clock']:6.0f} {t['load'] / 1e6:8.2f}"
         )
+
+
+def coupled_steps(scratch: Path, steps: int) -> None:
+    """All modes joined by a dashpot, against the same part without it."""
+    head("the same, all modes coupled by a dashpot, 3 inputs", "ns; in brackets: coupled/alone")
+    print("modes   median          new size")
+    for modes in (5, 20, 50, 100):
+        together, alone = (
+            run("steps", scratch, *unpacked(part(modes, 3, 3, coupled), scratch).arguments, 3, steps, 1)
+            for coupled in (modes, 0)
+        )
+        texts = (f"{together[k]:10.0f} ({together[k] / alone[k]:.0f})" for k in ("median", "new"))
+        print(f"{modes:5}", *texts)
 
 
 def instruction_sets(scratch: Path, batches: int) -> None:

@@ -17,7 +17,10 @@ from fmu_src.toolchain import FLAGS, PLATFORMS, SOURCES, fmi_headers, host_platf
 HERE = Path(__file__).parent
 MODELS = HERE.parents[1] / "models"
 PLATFORM = host_platform() or "linux64"
-READER = ("common", "json", "json_scalars", "sha256", "npy", "ports", "header", "folder", "resources")
+READER = (
+    *("common", "json", "json_scalars", "sha256", "npy"),
+    *("model", "kinds", "ports", "header", "folder", "resources"),
+)
 DRIVERS = {
     "cycle": (*READER, "propagator", "kernels"),
     "steps": (),
@@ -46,8 +49,11 @@ class Unpacked:
         return [str(self.library), (resources / "guid.txt").read_text().strip(), resources.as_uri()]
 
 
-def part(r: int, m: int, p: int) -> ReducedModel:
-    """r modes from 10 Hz to 5 kHz, m forces, p displacements and velocities, shapes at random."""
+def part(r: int, m: int, p: int, coupled: int = 0) -> ReducedModel:
+    """r modes from 10 Hz to 5 kHz, m forces, p displacements and velocities, shapes at random.
+
+    coupled: a dashpot of 300 N.s/m joins so many of the modes.
+    """
     rng = np.random.default_rng(1)
     count = max(-(-m // 3), -(-p // 6))
     forces = [f"force.{axis}" for axis in "xyz"]
@@ -56,15 +62,18 @@ def part(r: int, m: int, p: int) -> ReducedModel:
         Port(f"p{k}", tuple(forces[: max(0, m - 3 * k)]), tuple(outputs[: max(0, p - 6 * k)]))
         for k in range(count)
     )
+    w = np.where(np.arange(r) < coupled, rng.standard_normal(r), 0.0)
     return ReducedModel(
-        name=f"part_{r}_{m}_{p}",
+        name=f"part_{r}_{m}_{p}_{coupled}",
         description="shapes at random",
         lam=(2 * np.pi * np.geomspace(10.0, 5000.0, r)) ** 2,
         alpha=1.0,
         beta=1e-6,
-        D_rest=np.zeros((r, r)),
+        D_rest=300.0 * np.outer(w, w),
         B=rng.standard_normal((r, m)),
         C=rng.standard_normal((p, r)),
+        R=np.zeros((p, m)),
+        R_in=np.zeros((m, m)),
         ports=ports,
     )
 

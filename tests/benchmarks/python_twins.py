@@ -77,7 +77,7 @@ def getter_fmu(model: ReducedModel, scratch: Path) -> Path:
     """The slave of getter_slave.py with the numbers of this part."""
     P = propagator(model.lam, model.damping(model.alpha, model.beta), H)
     data = scratch / "getter_part.npz"
-    moving = np.array([kind == "velocity" for kind in model.output_kinds])
+    moving = np.array([law == "velocity" for law in model.laws])
     np.savez(data, coefficients=[P.E11, P.E12, P.E21, P.E22, P.G0], B=model.B, C=model.C, moving=moving)
     script = scratch / f"getter_{model.name}.py"  # pythonfmu finds an FMU's code by its module name
     script.write_text((HERE / "getter_slave.py").read_text(encoding="utf-8"), encoding="utf-8")

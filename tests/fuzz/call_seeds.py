@@ -12,7 +12,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from examples import two_ports
+from examples import everything
 
 from fmu_src.embedded_model import embedded_model
 from fmu_src.runtime.model import ReducedModel
@@ -27,14 +27,15 @@ DIRECTIONAL = 22
 GET_STATE, SET_STATE, _, SERIALISE = range(23, 27)
 EVENT, DISCRETE, CONTINUOUS, COMPLETED, _, SET_STATES, DERIVATIVES = range(27, 34)
 STEP, FREE = 37, 45
-LAST = 45  # value reference
+INPUTS, OUTPUTS, MODES = 7, 14, 7
+ALPHA, LAST = INPUTS + OUTPUTS, INPUTS + OUTPUTS + 1 + 6 * MODES  # value references
 
 
 def model(static: bool) -> ReducedModel:
-    """Rigid, repeated and over-damped modes; or supported, from a static start."""
+    """Every law and coupled modes; rigid, repeated, over-damped ones; or supported, from a static start."""
     if not static:
-        return two_ports()
-    return two_ports(lam=np.array([3.0, 7.0, 30.0, 30.0, 400.0, 9000.0]), initial="static")
+        return everything()
+    return everything(lam=np.array([3.0, 7.0, 30.0, 30.0, 400.0, 9000.0, 2e4]), initial="static")
 
 
 def call(number: int, *arguments: int) -> bytes:
@@ -53,22 +54,40 @@ def seeds() -> dict[str, bytes]:
     force = call(SET_REAL, 2, 0, 1, 0, 0, 2, 2, 0)
     rates = call(SET_RATES, 2, 0, 1, 1, 2, 2, 2, 0)
     step, jump = call(STEP, 0, 0), call(STEP, 255, 0, 3)
-    outputs = call(GET_REAL, 5, 3, 4, 5, 6, 7, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)
+    halves = (range(INPUTS, INPUTS + 7), range(INPUTS + 7, ALPHA))
+    outputs = b"".join(call(GET_REAL, 7, *half, *15 * [0]) for half in halves)
+    slopes = b"".join(
+        call(GET_RATES, 7, *half, *7 * [order], *8 * [0]) for half in halves for order in (1, 2)
+    )
+    directions = b"".join(
+        call(DIRECTIONAL, 7, *half, *15 * [0], 3, 0, ALPHA + 2 + 2 * MODES, 3, 2, 2, 2) for half in halves
+    )
     keep, back = call(GET_STATE, 0, 0, 0, 0), call(SET_STATE, 0, 0, 0, 0)
-    damping = call(SET_REAL, 1, 8, 0, 1, 0)
+    damping = call(SET_REAL, 1, ALPHA, 0, 1, 0)
     fewer = call(SET_INTEGER, 1, 0, 3, 0, 0)
     exchange = b"".join(call(k, 0, 0) for k in (DISCRETE, CONTINUOUS, DERIVATIVES, COMPLETED, SET_STATES))
     return {
         "steps": simulation(CO_SIMULATION, force, step, outputs, step, outputs),
-        "rates": simulation(CO_SIMULATION, force, rates, step, outputs, call(GET_RATES, 1, 4, 1, 0, 0)),
+        "rates": simulation(CO_SIMULATION, force, rates, step, outputs, slopes, step, slopes),
         "states": simulation(
             CO_SIMULATION, force, step, keep, step, back, step, call(SERIALISE, 0, 0, 0, 0), back
         ),
-        "damaged": simulation(CO_SIMULATION, keep, call(SERIALISE, 0, 128, 0, 136, 7), back, step),
+        "damaged": simulation(CO_SIMULATION, keep, call(SERIALISE, 0, 128, 0, 136, MODES + 2), back, step),
         "parameters": simulation(CO_SIMULATION, damping, fewer, step, outputs),
         "refused": simulation(CO_SIMULATION, jump, call(STEP, 0, 9), call(SET_REAL, 1, 250, 0, 0, 0)),
         "beyond_the_last": simulation(CO_SIMULATION, call(GET_REAL, 1, LAST + 1, 0, 0, 0)),
-        "directional": simulation(CO_SIMULATION, call(DIRECTIONAL, 2, 3, 7, 0, 0, 0, 0, 0, 2, 0, 1, 2, 2)),
+        "directional": simulation(CO_SIMULATION, force, step, directions),
+        "levels": simulation(
+            CO_SIMULATION,
+            force,
+            fewer,
+            step,
+            outputs,
+            call(SET_INTEGER, 1, 0, 0, 0, 0),
+            step,
+            outputs,
+            slopes,
+        ),
         "exchange": simulation(MODEL_EXCHANGE, force, exchange, call(EVENT, 0, 0), fewer),
         "reset": simulation(CO_SIMULATION, step, call(TERMINATE, 0, 4, 4, 0), call(RESET, 0, 4, 4, 0), step),
         **{f"memory_{k}": simulation(CO_SIMULATION, keep, step, allocations=k) for k in range(6)},

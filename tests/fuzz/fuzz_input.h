@@ -64,7 +64,7 @@ static inline unsigned int *references(Input *input, size_t count)
     unsigned int *values = array(count, sizeof *values);
     for (size_t k = 0; k < count; k++) {
         unsigned int chosen = byte(input);
-        values[k] = chosen < 250 ? chosen % 64 : 0xFFFFFFFFu - (255 - chosen);
+        values[k] = chosen < 250 ? chosen % 80 : 0xFFFFFFFFu - (255 - chosen);
     }
     return values;
 }

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FILES 7
+#define FILES 9
 #define MODEL 1    /* model.json */
 #define CHECKSUM 2 /* model.sha256 */
 #define FIRST_ARRAY 3
@@ -21,7 +21,7 @@
 
 static const char *const names[FILES] = {"guid.txt",      "model/model.json", "model/model.sha256",
                                          "model/lam.npy", "model/D_rest.npy", "model/B.npy",
-                                         "model/C.npy"};
+                                         "model/C.npy",   "model/R.npy",      "model/R_in.npy"};
 
 static void must(bool truth)
 {
@@ -43,26 +43,69 @@ static void mend_checksums(unsigned char *header, size_t size, const MemoryFile 
         }
 }
 
+static void check_symmetric(const double *A, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++)
+            must(isfinite(A[i * n + j]) && A[i * n + j] == A[j * n + i]);
+}
+
+static void check_finite(const double *values, size_t count)
+{
+    for (size_t k = 0; k < count; k++)
+        must(isfinite(values[k]));
+}
+
+/* The law belongs to the name; gives its rows. */
+static size_t check_law(const char *name, Law law)
+{
+    static const struct {
+        const char *part;
+        Law law;
+        size_t rows;
+    } laws[] = {{".displacement.", POSITION, 1},    {".rotation.", POSITION, 1},  {"velocity.", VELOCITY, 1},
+                {"acceleration.", ACCELERATION, 1}, {".reaction.", REACTION, 2},  {".stress.mises", MISES, 6},
+                {"energy.kinetic", KINETIC, 0},     {"energy.strain", STRAIN, 0}, {".stress.", POSITION, 1}};
+    for (size_t k = 0; k < sizeof laws / sizeof *laws; k++)
+        if (strstr(name, laws[k].part)) {
+            must(law == laws[k].law);
+            return laws[k].rows;
+        }
+    must(false);
+    return 0;
+}
+
+static bool has_port(const char *name, const char *port)
+{
+    return strncmp(name, port, strlen(port)) == 0 && name[strlen(port)] == '.';
+}
+
 static void check_model(const ReducedModel *model)
 {
+    size_t rows = 0;
     must(model->r > 0 && model->m + model->p > 0 && strlen(model->name) > 0);
     must(model->alpha >= 0.0 && isfinite(model->alpha) && model->beta >= 0.0 && isfinite(model->beta));
     must(model->lam[0] >= 0.0 && !(model->initial_static && model->lam[0] == 0.0));
     for (size_t i = 0; i < model->r; i++) {
         must(isfinite(model->lam[i]) && (i == 0 || model->lam[i] >= model->lam[i - 1]));
-        for (size_t j = 0; j < model->r; j++)
-            must(i == j ? model->D_rest[i * model->r + j] >= 0.0 : model->D_rest[i * model->r + j] == 0.0);
+        must(model->D_rest[i * model->r + i] >= 0.0);
     }
-    for (size_t k = 0; k < model->r * model->m; k++)
-        must(isfinite(model->B[k]));
-    for (size_t k = 0; k < model->p * model->r; k++)
-        must(isfinite(model->C[k]));
-    for (size_t j = 0; j < model->m; j++)
-        must(strstr(model->inputs[j], ".force.") != NULL);
-    for (size_t i = 0; i < model->p; i++) {
-        static const char *const kinds[] = {".displacement.", ".velocity.", ".acceleration."};
-        must(strstr(model->outputs[i], kinds[model->output_kinds[i]]) != NULL);
+    for (size_t j = 0; j < model->m; j++) {
+        const char *name = model->inputs[j];
+        must(!has_port(name, "energy"));
+        must(has_port(name, "gravity") || has_port(name, "base") == !!strstr(name, ".acceleration."));
     }
+    for (size_t k = 0; k < model->p; k++) {
+        must(!has_port(model->outputs[k], "gravity") && !has_port(model->outputs[k], "base"));
+        must(has_port(model->outputs[k], "energy") == (model->laws[k] >= KINETIC));
+        rows += check_law(model->outputs[k], model->laws[k]);
+    }
+    must(rows == model->s);
+    check_symmetric(model->D_rest, model->r);
+    check_symmetric(model->R_in, model->m);
+    check_finite(model->B, model->r * model->m);
+    check_finite(model->C, model->s * model->r);
+    check_finite(model->R, model->s * model->m);
 }
 
 static void check_reason(const Reason *reason)

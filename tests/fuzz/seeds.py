@@ -14,7 +14,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from examples import oscillator, two_ports
+from examples import everything, oscillator, two_ports
 
 from fmu_src.runtime.resources import ARRAYS, write_model
 
@@ -41,7 +41,8 @@ def seeds() -> Iterator[tuple[str, bytes]]:
     yield "oscillator", container(small, SOUND)
     yield "two_ports", container(larger, SOUND)
     yield "static", container(static, SOUND)
-    for k in (0, 2, 3, 6):
+    yield "everything", container(write_model(everything()), SOUND)
+    for k in (0, 2, 3, 6, 9):
         yield f"allocation_{k}", container(small, FAIL, k)
     yield "empty", b""
     yield "no_files", bytes([SOUND, 0])
@@ -70,6 +71,9 @@ def header_changes() -> dict[str, dict[str, object]]:
         "huge_shape": {"arrays": {"lam": {"shape": [2**28], "sha256": ""}}},
         "not_xml": {"description": "\uffff"},
         "no_variables": {"ports": [{"name": "a", "inputs": [], "outputs": []}]},
+        "residual": {"residual": 1},
+        "output_of_gravity": {"ports": [{"name": "gravity", "inputs": [], "outputs": ["displacement.x"]}]},
+        "pressure_of_base": {"ports": [{"name": "base", "inputs": ["pressure"], "outputs": []}]},
     }
 
 
@@ -93,6 +97,8 @@ def array_changes() -> dict[str, dict[str, bytes]]:
         "not_a_number": {"B.npy": saved(np.full((6, 3), np.nan))},
         "descending": {"lam.npy": saved(np.arange(6.0)[::-1])},
         "coupled": {"D_rest.npy": saved(np.ones((6, 6)))},
+        "not_symmetric": {"D_rest.npy": saved(np.triu(np.ones((6, 6))))},
+        "flexibility": {"R.npy": saved(np.ones((5, 3))), "R_in.npy": saved(np.triu(np.ones((3, 3))))},
         "fortran": {"D_rest.npy": saved(np.asfortranarray(np.ones((6, 6))))},
         "cut_header": {"lam.npy": saved(np.arange(6.0))[:120]},
         "short_header": {"lam.npy": b"\x93NUMPY\x01\x00\x01\x00\n"},

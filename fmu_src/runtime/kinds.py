@@ -1,0 +1,96 @@
+"""What inputs and outputs there are: their names, units and, for outputs, the law that gives them.
+
+Most ports have the ordinary ones; the ports named gravity, base and energy have their own.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+Law: TypeAlias = Literal["position", "velocity", "acceleration", "reaction", "mises", "kinetic", "strain"]
+
+ROWS: Mapping[Law, int] = {
+    "position": 1,  # C q + R u
+    "velocity": 1,  # C q̇ + R u̇
+    "acceleration": 1,  # C q̈ + R u
+    "reaction": 2,  # C₁ q̈ + (C₂ + α C₁) q̇ + R₁ u
+    "mises": 6,  # of the stress C q + R u in xx, yy, zz, xy, yz, zx
+    "kinetic": 0,  # ½ q̇ᵀq̇
+    "strain": 0,  # ½ qᵀΛq + ½ uᵀR_in u
+}
+"""How many rows of C and R an output of each law takes."""
+
+STRESSES = ("xx", "yy", "zz", "xy", "yz", "zx")
+
+
+@dataclass(frozen=True)
+class Input:
+    """unit: as in the FMU; text: what it is, with {port}."""
+
+    unit: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Output:
+    """The same, with the law that gives its value."""
+
+    unit: str
+    text: str
+    law: Law
+
+
+def _along(kind: str) -> Mapping[str, str]:
+    return {f"{kind}.{k}": f"{kind.replace('_', ' ')} in {k}" for k in "xyz"}
+
+
+def _about(kind: str) -> Mapping[str, str]:
+    return {f"{kind}.{k}": f"{kind.replace('_', ' ')} about {k}" for k in "xyz"}
+
+
+ORDINARY_INPUTS: Mapping[str, Input] = {
+    **{key: Input("N", f"{text} at {{port}}") for key, text in _along("force").items()},
+    **{key: Input("N.m", f"{text} at {{port}}") for key, text in _about("moment").items()},
+    "pressure": Input("Pa", "pressure into the faces of {port}"),
+}
+ORDINARY_OUTPUTS: Mapping[str, Output] = {
+    **{k: Output("m", f"{text} of {{port}}", "position") for k, text in _along("displacement").items()},
+    **{k: Output("m/s", f"{text} of {{port}}", "velocity") for k, text in _along("velocity").items()},
+    **{
+        k: Output("m/s2", f"{text} of {{port}}", "acceleration") for k, text in _along("acceleration").items()
+    },
+    **{
+        k: Output("m/s2", f"{text} of {{port}}", "acceleration")
+        for k, text in _along("absolute_acceleration").items()
+    },
+    **{k: Output("rad", f"{text} of {{port}}", "position") for k, text in _about("rotation").items()},
+    **{
+        k: Output("rad/s", f"{text} of {{port}}", "velocity")
+        for k, text in _about("angular_velocity").items()
+    },
+    **{
+        k: Output("rad/s2", f"{text} of {{port}}", "acceleration")
+        for k, text in _about("angular_acceleration").items()
+    },
+    **{f"stress.{k}": Output("Pa", f"stress {k} at {{port}}", "position") for k in STRESSES},
+    "stress.mises": Output("Pa", "von Mises stress at {port}", "mises"),
+    **{k: Output("N", f"{text} of {{port}}", "reaction") for k, text in _along("reaction").items()},
+}
+GRAVITY: Mapping[str, Input] = {k: Input("m/s2", f"acceleration of gravity in {k}") for k in "xyz"}
+BASE: Mapping[str, Input] = {
+    f"acceleration.{k}": Input("m/s2", f"acceleration of the supports in {k}") for k in "xyz"
+}
+ENERGY: Mapping[str, Output] = {
+    "kinetic": Output("J", "kinetic energy of the motion relative to the base", "kinetic"),
+    "strain": Output("J", "strain energy", "strain"),
+}
+
+
+def inputs_of(port: str) -> Mapping[str, Input]:
+    """The inputs that the port of this name may have."""
+    return {"gravity": GRAVITY, "base": BASE, "energy": {}}.get(port, ORDINARY_INPUTS)
+
+
+def outputs_of(port: str) -> Mapping[str, Output]:
+    """The outputs that the port of this name may have."""
+    return {"gravity": {}, "base": {}, "energy": ENERGY}.get(port, ORDINARY_OUTPUTS)
