@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
-from matplotlib.figure import Figure
 from rich import box
 from rich.table import Table
 
@@ -134,6 +133,8 @@ def certificate_html(certificate: Certificate, plot: str) -> str:
 
 def certificate_plot(certificate: Certificate) -> bytes:
     """error(f) of each pair of kinds, as a PNG picture."""
+    from matplotlib.figure import Figure  # half a second that other commands need not wait
+
     figure = Figure(figsize=(9.0, 4.5), layout="constrained")
     axes = figure.subplots()
     for c in certificate.comparisons:
