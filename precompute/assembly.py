@@ -9,6 +9,7 @@ from threadpoolctl import threadpool_limits
 from .arrays import Floats, Ints
 from .cell_checks import check_materials, check_shapes, check_twins
 from .cell_matrices import mass, stiffness
+from .dofs import mesh_dofs
 from .elements import ELEMENTS
 from .material import CellMaterial, shared_rayleigh
 from .mesh import Mesh
@@ -56,7 +57,7 @@ def assemble(
     return System(
         M=kron_identity(m.symmetric()),
         K=K.symmetric(),
-        rigid=rigid_motions(mesh.points),
+        rigid=rigid_motions(mesh_dofs(len(mesh.points)), mesh.points),
         D=None if D is None else D.symmetric(),
     )
 

@@ -7,7 +7,7 @@ import numpy as np
 from .arrays import Bools, Floats
 from .full_model import SOFTEST, FullModel
 from .oscillators import Oscillators
-from .residual import NEW
+from .residual import NEW, static_rows
 
 
 @dataclass(frozen=True, eq=False)  # arrays have no one truth value
@@ -79,5 +79,5 @@ def candidate(full: FullModel, keep: Bools, more: MoreVectors, feed_through: boo
     if feed_through:
         elastic = lam > 0
         held = C[:, elastic] @ (B[elastic] / lam[elastic, None])
-        R = R + np.where(full.static_rows[:, None], full.static_response - held, 0.0)
+        R = R + np.where(static_rows(full.ports)[:, None], full.static_response - held, 0.0)
     return Oscillators(lam, np.ones_like(lam), D, B, C, R, full.alpha)

@@ -1,6 +1,5 @@
 """The full model with all that the part file puts at its ports."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from scipy.sparse import csc_array, csr_array
@@ -113,7 +112,7 @@ def _with_own_damping(part: Part, full: FullPart) -> tuple[System, tuple[float, 
     of the body alone.
     """
     system, (alpha, beta) = full.system, full.rayleigh
-    added: Sequence[object] = (*part.springs, *part.masses)
+    added = bool(part.springs or part.masses)
     if part.system is not None and not added:
         return split_rayleigh(system)
     if added and (alpha or beta):

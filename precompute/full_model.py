@@ -155,10 +155,3 @@ class FullModel:
         elastic = self.lam > 0
         modal: Floats = self.C[:, elastic] @ (self.B[elastic] / self.lam[elastic, None])
         return modal + self.C_y @ self.B_y
-
-    @cached_property
-    def static_rows(self) -> Bools:
-        """The rows of motions and stresses, which a static load leaves at once, (s,)."""
-        rows = np.zeros(len(self.C), dtype=bool)
-        rows[self.lines.rows[self.lines.of("position", "velocity")]] = True
-        return rows

@@ -17,13 +17,13 @@ from .matrix_doubts import doubt_units
 from .matrix_entries import Entries
 from .matrix_units import Units, in_si
 from .mesh import Mesh
-from .node_table import NodeTable, place, rigid_columns
+from .node_table import NodeTable, place
 from .notice import notice
 from .read_matrix import naming, read_matrix
 from .rounding import rounding_shown
 from .row_rounding import row_rounding
 from .symmetric_matrix import symmetric_matrix
-from .system import System
+from .system import System, rigid_motions
 
 HELD = 1e36  # what Abaqus writes on the diagonal of K where a boundary condition holds
 NEIGHBOURS = (".dof", ".mapping")  # endings of the DOF tables that CalculiX and Ansys write beside matrices
@@ -82,7 +82,7 @@ def read_system(files: SystemFiles, mesh: Mesh | None = None) -> Imported:
         if name == "stiffness":
             matrix, held = _without_penalties(matrix)
         A[name] = in_si(matrix, dofs.direction, files.units, PER_TIME[name])
-    rigid = rigid_columns(dofs, nodes.points)
+    rigid = rigid_motions(dofs, nodes.points)
     K = A["stiffness"]
     precision = max(entries["stiffness"].precision, rounding_shown(K, rigid), row_rounding(K, rigid[:, :3]))
     system = System(A["mass"], K, rigid, A.get("damping"), precision)

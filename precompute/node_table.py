@@ -44,24 +44,6 @@ class NodeTable:
         return bool(np.isfinite(self.points).all())
 
 
-def rigid_columns(dofs: Dofs, points: Floats) -> Floats:
-    """u = e_k and u = e_k × (p − p̄), θ = e_k: the six rigid motions (n, 6) at any DOFs, p̄ the mean point.
-
-    Translations are unit (m), rotations per rad. Columns 3 … 5 are zero where a point (m) is not known.
-    """
-    R = np.zeros((len(points), 6, 6))
-    R[:, range(6), range(6)] = 1.0
-    known = np.isfinite(points).all()
-    x, y, z = (points - points.mean(axis=0)).T if known else np.zeros((3, len(points)))
-    R[:, 1, 3], R[:, 2, 3] = -z, y
-    R[:, 0, 4], R[:, 2, 4] = z, -x
-    R[:, 0, 5], R[:, 1, 5] = -y, x
-    if not known:
-        R[:, :, 3:] = 0.0
-    columns: Floats = R[dofs.node, dofs.direction]
-    return columns
-
-
 def place(nodes: NodeTable, dofs: Dofs, dof: int) -> str:
     """node 17 y at (1, 0, 0.5) m."""
     k = dofs.node[dof]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fmu_src.runtime.kinds import ROWS, outputs_of
+from fmu_src.runtime.kinds import ROWS, STATIC_LAWS, outputs_of
 from fmu_src.runtime.model import Port
 
 from .arrays import Bools, Floats
@@ -15,7 +15,6 @@ from .notice import warning
 from .ritz import reduced_modes
 from .statics import StaticSolver
 
-STATIC_LAWS = ("position", "velocity", "mises")  # accelerations and reactions have their own feed-through
 NEW = 1e-6  # of the static response, in the norm of strain energy: less adds nothing to the kept modes
 
 
@@ -35,7 +34,7 @@ def residual_flexibility(interface: Interface, modes: Modes, solve: StaticSolver
     Source: MacNeal, Computers & Structures 1 (1971); inertia relief as in Craig & Kurdila, ch. 17.
     """
     X = _truncated(modes, interface.b.toarray(), solve)
-    R = np.where(_static_rows(interface.ports)[:, None], interface.c @ X, 0.0)
+    R = np.where(static_rows(interface.ports)[:, None], interface.c @ X, 0.0)
     R_in = X.T @ (solve.system.K @ X)
     return Residual(R, (R_in + R_in.T) / 2)
 
@@ -72,7 +71,7 @@ def _truncated(modes: Modes, b: Floats, solve: StaticSolver) -> Floats:
     return X
 
 
-def _static_rows(ports: Sequence[Port]) -> Bools:
+def static_rows(ports: Sequence[Port]) -> Bools:
     """Which rows of c are motions or stresses that a static load leaves at once: (s,)."""
     laws = [outputs_of(port.name)[key].law for port in ports for key in port.outputs]
     rows: Bools = np.repeat([law in STATIC_LAWS for law in laws], [ROWS[law] for law in laws]).astype(bool)

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from .arrays import Floats
+from .dofs import Dofs
 from .errors import ModalFmuError
 from .rounding import EPS
 
@@ -38,16 +39,19 @@ class System:
             )
 
 
-def rigid_motions(points: Floats) -> Floats:
-    """u(p) = e_k and u(p) = e_k × (p − p̄): the six rigid motions as columns (3n, 6).
+def rigid_motions(dofs: Dofs, points: Floats) -> Floats:
+    """u = e_k and u = e_k × (p − p̄), θ = e_k: the six rigid motions (n, 6) at any DOFs, p̄ the mean point.
 
-    points: (n, 3) in m, p̄ their mean. Translations are unit (m), rotations per rad.
+    Translations are unit (m), rotations per rad. Columns 3 … 5 are zero where a point (m) is not known.
     """
-    n = len(points)
-    x, y, z = (points - points.mean(axis=0)).T
-    R = np.zeros((n, 3, 6))
-    R[:, [0, 1, 2], [0, 1, 2]] = 1.0
+    R = np.zeros((len(points), 6, 6))
+    R[:, range(6), range(6)] = 1.0
+    known = np.isfinite(points).all()
+    x, y, z = (points - points.mean(axis=0)).T if known else np.zeros((3, len(points)))
     R[:, 1, 3], R[:, 2, 3] = -z, y
     R[:, 0, 4], R[:, 2, 4] = z, -x
     R[:, 0, 5], R[:, 1, 5] = -y, x
-    return R.reshape(3 * n, 6)
+    if not known:
+        R[:, :, 3:] = 0.0
+    motions: Floats = R[dofs.node, dofs.direction]
+    return motions

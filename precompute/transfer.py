@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fmu_src.runtime.kinds import STRESSES, inputs_of, outputs_of
-from fmu_src.runtime.model import Port
+from fmu_src.runtime.model import Port, row_starts
 
 from .arrays import Floats, Ints
 from .oscillators import Complexes, Oscillators, amplitudes
@@ -47,22 +47,17 @@ class Block:
 def lines_of(ports: Sequence[Port]) -> Lines:
     """The lines in the order of the ports' outputs."""
     found: list[tuple[str, str, str, str, int]] = []
-    row = 0
-    for port in ports:
-        for key in port.outputs:
-            output, name, kind = outputs_of(port.name)[key], f"{port.name}.{key}", key.split(".")[0]
-            if output.law == "mises":
-                found += [
-                    (f"{name} ({part})", kind, output.unit, "position", row + i)
-                    for i, part in enumerate(STRESSES)
-                ]
-                row += len(STRESSES)
-            elif output.law == "reaction":
-                found.append((name, kind, output.unit, "reaction", row))
-                row += 2
-            elif output.law in ("position", "velocity", "acceleration"):
-                found.append((name, kind, output.unit, output.law, row))
-                row += 1
+    listed = [(port.name, key, outputs_of(port.name)[key]) for port in ports for key in port.outputs]
+    starts = row_starts([output.law for _, _, output in listed])
+    for (port, key, output), row in zip(listed, starts, strict=False):
+        name, kind = f"{port}.{key}", key.split(".")[0]
+        if output.law == "mises":
+            found += [
+                (f"{name} ({part})", kind, output.unit, "position", row + i)
+                for i, part in enumerate(STRESSES)
+            ]
+        elif output.law not in ("kinetic", "strain"):
+            found.append((name, kind, output.unit, output.law, row))
     names, kinds, units, laws, rows = zip(*found, strict=True) if found else ((), (), (), (), ())
     return Lines(names, kinds, units, laws, np.array(rows, dtype=np.int64))
 

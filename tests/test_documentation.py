@@ -5,7 +5,8 @@ import stat
 import zipfile
 from pathlib import Path
 
-from examples import two_ports
+import numpy as np
+from examples import everything, two_ports
 
 from fmu_src.archive import write_archive
 from fmu_src.documentation import external_dependencies, index_html
@@ -23,6 +24,18 @@ def test_the_mode_table_has_every_mode_with_its_numbers() -> None:
     assert "12.5 kg" in page
     assert "left" in page
     assert "effective mass" not in index_html(model)
+
+
+def test_damping_that_no_alpha_and_beta_tell_is_said() -> None:
+    assert "s and ratios of their own." in index_html(two_ports())
+    assert "s and damping that couples modes." in index_html(everything())
+    plain = index_html(two_ports(D_rest=np.zeros((6, 6))))
+    assert "&beta; = 0.001 s. Each mode" in plain
+
+
+def test_the_accuracy_has_a_link_where_it_is_known() -> None:
+    assert 'href="accuracy.html"' in index_html(two_ports(), accuracy="accuracy.html")
+    assert "href" not in index_html(two_ports())
 
 
 def test_the_host_is_told_what_it_needs() -> None:

@@ -14,12 +14,12 @@ from precompute.dofs import Dofs, mesh_dofs
 from precompute.eigen import solve_modes
 from precompute.errors import PartError
 from precompute.material import CellMaterial
-from precompute.node_table import NodeTable, rigid_columns
+from precompute.node_table import NodeTable
 from precompute.port_motion import motion
 from precompute.ports import PortNodes, port_nodes
 from precompute.rigid_ports import constrain
 from precompute.statics import static_solver
-from precompute.system import System
+from precompute.system import System, rigid_motions
 
 NONE = np.zeros(0, dtype=np.int64)
 MESH = mapped(
@@ -184,7 +184,7 @@ def frame(points: list[list[float]], directions: int) -> tuple[PortNodes, Dofs, 
     return (
         port_nodes(table, np.arange(k), "equal", "hub"),
         dofs,
-        System(unit, unit, rigid_columns(dofs, table.points)),
+        System(unit, unit, rigid_motions(dofs, table.points)),
     )
 
 

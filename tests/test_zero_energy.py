@@ -1,5 +1,7 @@
 """Loose pieces, hinges and nodes in no element are refused with number and place; soft parts are not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from boxes import box, joined, mapped, mesh_of
@@ -38,6 +40,14 @@ class TestMechanisms:
         fixed = dofs_where(mesh, mesh.points[:, 0] == 0) if clamped else NONE
         with pytest.raises(ZeroEnergyError, match=f"{number}beyond the {0 if clamped else 6} rigid ones"):
             solve_modes(system_of(mesh), fixed, count=8, solver=solver)
+
+    def test_few_digits_may_be_the_reason(self, solver: Solver) -> None:
+        mesh = beside(CUBE, (1.0, 0.0, 1.0))
+        printed = replace(system_of(mesh), precision=5e-7)
+        with pytest.raises(ZeroEnergyError, match="export it with more"):
+            solve_modes(printed, NONE, count=8, solver=solver)
+        with pytest.raises(ZeroEnergyError, match=r"or support it$"):
+            solve_modes(system_of(mesh), NONE, count=8, solver=solver)
 
     def test_joined_by_a_face_is_legal(self, solver: Solver) -> None:
         mesh = beside(CUBE, (1.0, 0.0, 0.0))

@@ -20,6 +20,9 @@ ROWS: Mapping[Law, int] = {
 }
 """How many rows of C and R an output of each law takes."""
 
+STATIC_LAWS: tuple[Law, ...] = ("position", "velocity", "mises")
+"""What a mode that follows statically has a part in; its acceleration, so its reaction, is 0."""
+
 STRESSES = ("xx", "yy", "zz", "xy", "yz", "zx")
 
 

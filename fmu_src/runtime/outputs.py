@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .kinds import Law
+from .kinds import STATIC_LAWS, Law
 from .model import Floats, Ints, ReducedModel, row_starts
 from .step import State
 
@@ -39,7 +39,7 @@ def feedthrough(model: ReducedModel, active: int) -> Feedthrough:
     R = model.R.copy()
     starts = row_starts(model.laws)
     for k, law in enumerate(model.laws):
-        if law in ("position", "velocity", "mises"):
+        if law in STATIC_LAWS:
             rows = slice(starts[k], starts[k + 1])
             R[rows] += model.C[rows][:, off] @ flexible
     return Feedthrough(R, model.R_in + model.B[off].T @ flexible)
