@@ -85,7 +85,7 @@ def default_experiment(model: ReducedModel) -> tuple[float, float]:
 
     Both are 1, 2 or 5 times a power of ten; a body with rigid modes only gets 1 s in steps of 1 ms.
     """
-    elastic = model.frequency[model.lam > 0]
+    elastic = model.frequency[model.frequency > 0]
     if len(elastic) == 0:
         return 1.0, 1e-3
     step = _round_number(1 / (STEPS_PER_PERIOD * elastic[-1]), down=True)

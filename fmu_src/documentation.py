@@ -99,7 +99,7 @@ def index_html(
         "<style>body{font:15px sans-serif;margin:2em}td,th{padding:.2em .8em;text-align:right}"
         "th{border-bottom:1px solid}</style></head>\n"
         f"<body><h1>{escape(model.name)}</h1>\n<p>{escape(model.description)}</p>\n{mass}"
-        f"<p>Reduced modal model of {len(model.lam)} modes, {_damping(model)}. "
+        f"<p>Reduced modal model of {model.r} modes, {_damping(model)}. "
         "Each mode advances by the analytic solution of its equation of motion, "
         "exact for the force as it is given over the step, at any step size.</p>\n"
         f"{link}<h2>Ports</h2>\n{_table(['port', 'inputs', 'outputs'], ports)}"

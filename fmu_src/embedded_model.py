@@ -6,7 +6,7 @@ from textwrap import fill
 from .runtime.model import Floats, ReducedModel
 
 COLUMNS = 110
-ARRAYS = ("lam", "D_rest", "B", "C", "R", "R_in")
+ARRAYS = ("lam", "D_rest", "B", "C", "R", "R_in", "M_s", "K_s")
 
 
 def embedded_model(model: ReducedModel, guid: str) -> str:

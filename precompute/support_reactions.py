@@ -15,6 +15,14 @@ from .system import System
 Statics = Callable[[Floats], Floats]
 """b (n, k) → K⁺ b (n, k) in all DOFs, 0 at those held (`static_solver`)."""
 
+Resting = Callable[[Floats], Floats]
+"""ψ (n,) → ψ with the ports whose motion is prescribed moved back to where they were."""
+
+
+def all_at_rest(psi: Floats) -> Floats:
+    """No port's motion is prescribed."""
+    return psi
+
 
 @dataclass(frozen=True)
 class Held:
@@ -44,13 +52,16 @@ def own_dofs(supports: Sequence[Held]) -> list[Held]:
     return own
 
 
-def reaction_shape(support: Held, axis: int, dofs: Dofs, system: System, solve: Statics) -> Floats:
+def reaction_shape(
+    support: Held, axis: int, dofs: Dofs, system: System, solve: Statics, resting: Resting = all_at_rest
+) -> Floats:
     """ψ (n,): 1 at the support's DOFs in direction `axis`, 0 at all others held, K ψ = 0 at those free.
 
     With such a ψ the reaction R = Σ (M ü + D u̇ + K u − F) over these DOFs is
-    R = ψᵀM ü + ψᵀD u̇ − ψᵀF,
-    because M ü + D u̇ + K u − F vanishes at the free DOFs and ψᵀK u = 0 (u vanishes at those held): the
-    elastic forces need no sum over the modes, and the static reaction is exact with any number of them.
+    R = ψᵀM ü + ψᵀD u̇ + ψᵀK u − ψᵀF,
+    because M ü + D u̇ + K u − F vanishes at the free DOFs, or does no work on ψ, in which ports whose motion is
+    prescribed are at rest. Of ψᵀK u only such motions are left (u vanishes at the supports): the elastic
+    forces need no sum over the modes, and the static reaction is exact with any number of them.
     Where the supports leave rigid modes ψ is fixed up to these, and any of them gives the same R.
     Source: Craig & Kurdila, Fundamentals of Structural Dynamics, 2nd ed., 17.3 (constraint modes).
     Raises PartError: the support holds nothing in that direction.
@@ -62,20 +73,23 @@ def reaction_shape(support: Held, axis: int, dofs: Dofs, system: System, solve: 
             f"support {support.name}: got the output reaction.{'xyz'[axis]}, but it holds no DOF in "
             f'{"xyz"[axis]} of its own; add "{"xyz"[axis]}" to its fix, or remove the output'
         )
+    unit = resting(unit)
     psi: Floats = unit - solve((system.K @ unit)[:, None])[:, 0]
     return psi
 
 
 def reaction_rows(
-    psi: Floats, system: System, dashpots: Sequence[tuple[csr_array, float]], b: csc_array
+    psi: Floats, elastic: Floats, system: System, dashpots: Sequence[tuple[csr_array, float]], b: csc_array
 ) -> tuple[Floats, Floats]:
-    """The rows ψᵀM, ψᵀD as (2, n) and the feed-through −ψᵀb, 0 as (2, m).
+    """The rows ψᵀM, ψᵀD, ψᵀK as (3, n) and the feed-through −ψᵀb, 0, 0 as (3, m).
 
-    D = system.D + Σ c wᵀw, dashpots (w (1, n), c). Of Rayleigh's damping α M is added where α is known, β K
-    gives nothing (ψᵀK u̇ = 0), and modal ratios are forces inside the body.
+    elastic: (n,) ψ less a rigid motion of the whole part, which adds nothing to ψᵀK; D = system.D + Σ c wᵀw,
+    dashpots (w (1, n), c). Rayleigh's α M and β K are added where α and β are known, and modal ratios are
+    forces inside the body.
     """
     D_psi = np.zeros(len(psi)) if system.D is None else system.D @ psi
     for w, c in dashpots:
         D_psi = D_psi + c * (w.T @ (w @ psi))
     direct = -(b.T @ psi)
-    return np.stack([system.M @ psi, D_psi]), np.stack([direct, np.zeros(len(direct))])
+    none = np.zeros_like(direct)
+    return np.stack([system.M @ psi, D_psi, system.K @ elastic]), np.stack([direct, none, none])

@@ -88,8 +88,11 @@ def everything(name: str = "everything", *, coupled: bool = True, **changes: obj
         D_rest += w @ w.T
     S = rng.standard_normal((7, 7))
     rows = sum(ROWS[law] for law in LAWS)
+    B, C = rng.standard_normal((7, 7)), rng.standard_normal((rows, 7))
     R = 1e-3 * rng.standard_normal((rows, 7))
-    R[row_starts(LAWS)[10] + 1 :: 2][:2] = 0.0  # the rows of the reactions' velocities have no feed-through
+    for first in np.array(row_starts(LAWS)[:-1])[[law == "reaction" for law in LAWS]]:
+        R[first + 1 : first + 3] = 0.0  # of a reaction the first row alone has a feed-through
+        C[first + 2] = 0.0  # and no mode a static force
     given = {
         "name": name,
         "description": "every kind of input and output",
@@ -97,8 +100,8 @@ def everything(name: str = "everything", *, coupled: bool = True, **changes: obj
         "alpha": 0.3,
         "beta": 1e-3,
         "D_rest": D_rest,
-        "B": rng.standard_normal((7, 7)),
-        "C": rng.standard_normal((rows, 7)),
+        "B": B,
+        "C": C,
         "R": R,
         "R_in": 1e-3 * (S @ S.T),
         "ports": EVERYTHING,

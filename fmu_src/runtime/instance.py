@@ -30,7 +30,8 @@ class Instance:
         self.initialising = True
         self.time = 0.0
         self.alpha, self.beta = model.alpha, model.beta
-        self.active = len(model.lam)
+        self.active = model.r
+        self.start = np.zeros(2 * model.k)  # of s and ṡ
         self.u = np.zeros(len(model.inputs))
         self.state = at_rest(len(model.lam))
         self._reals = np.zeros(self.layout.size)
@@ -38,9 +39,14 @@ class Instance:
         self._see_through()
         self._damp()
 
+    @property
+    def _moving(self) -> int:
+        """How many coordinates move: the prescribed ones always do."""
+        return self.model.k + self.active
+
     def _see_through(self) -> None:
         """Take up which modes are active in what the inputs move at once."""
-        through = feedthrough(self.model, self.active)
+        through = feedthrough(self.model, self._moving)
         self._rows, self._R_in = rows_by_law(self.model, through.R), through.R_in
 
     def _damp(self) -> None:
@@ -50,7 +56,7 @@ class Instance:
         with np.errstate(all="ignore"):  # the host may have made numpy's warnings errors
             y[place.damping_ratio] = self.model.damping_ratio(self.alpha, self.beta)
             lam, d = self.model.lam, self.model.damping(self.alpha, self.beta)
-        group = self.model.coupled[self.model.coupled < self.active]
+        group = self.model.coupled[self.model.coupled < self._moving]
         D = self.model.D_rest[np.ix_(group, group)]
         np.fill_diagonal(D, d[group])
 
@@ -59,22 +65,30 @@ class Instance:
             return propagator(lam, d, h), coupled_propagator(lam[group], D, h) if len(group) else None
 
         self._d, self._group, self._propagators = d, group, coefficients
+        N = self.model.drag(self.alpha)
+        self._N = N if N.any() else None
         self._D_off = None
         if len(group):
             self._D_off = np.zeros_like(self.model.D_rest)
             self._D_off[np.ix_(group, group)] = D - np.diag(np.diag(D))
         self._stale = True
 
-    def _modal_force(self) -> Floats:
-        f: Floats = self.model.B @ self.u
-        f[self.active :] = 0.0
-        return f
+    def _force(self) -> list[Floats]:
+        """B u + N ṡ and, where that changes over a step with u held, its rate N a."""
+        forces: list[Floats] = [self.model.B @ self.u]
+        if self._N is not None:
+            s_dot, a = self.state.v[: self.model.k], self.u[self.model.motions]
+            forces = [forces[0] + self._N @ s_dot, self._N @ a]
+        for f in forces:
+            f[self._moving :] = 0.0
+        return forces
 
     def _settle(self) -> None:
         """A static start follows the inputs until initialisation ends."""
         if self.initialising and self.model.initial == "static":
             with np.errstate(all="ignore"):  # an input may be infinite
-                q = static_solution(self.model.lam, self._modal_force()).q
+                k, q = self.model.k, self.state.q.copy()
+                q[k:] = static_solution(self.model.lam[k:], self._force()[0][k:]).q
             self.state = State(q, self.state.v)
         self._stale = True
 
@@ -88,20 +102,21 @@ class Instance:
             bad = int(np.flatnonzero(~np.isfinite(self.u))[0])
             return f"{self.model.inputs[bad]} is {self.u[bad]}, expected a finite number"
         with np.errstate(all="ignore"):
-            state = self._moved(h, self._modal_force())
+            state = self._moved(h, self._force())
             if not np.isfinite(state.q @ state.q + state.v @ state.v):
                 return f"the motion over communicationStepSize = {h} is beyond the range of numbers"
         self.state, self.time = state, time + h
         self._stale = True
         return None
 
-    def _moved(self, h: float, f: Floats) -> State:
+    def _moved(self, h: float, forces: list[Floats]) -> State:
         """The state after a step: modes on their own, and those that damping couples together."""
         alone, together = self._propagators(h)
-        state = step(alone, self.state, f)
+        state = step(alone, self.state, *forces)
         if together is not None:
             group = self._group
-            moved = coupled_step(together, State(self.state.q[group], self.state.v[group]), f[group])
+            before = State(self.state.q[group], self.state.v[group])
+            moved = coupled_step(together, before, *(f[group] for f in forces))
             state.q[group], state.v[group] = moved.q, moved.v
         return state
 
@@ -110,6 +125,7 @@ class Instance:
         if (alpha, beta) != (self.alpha, self.beta):
             self.alpha, self.beta = alpha, beta
             self._damp()
+            self._settle()
 
     def set_active(self, active: int) -> None:
         """Keep the first modes; those switched off go to rest, those switched on start from rest."""
@@ -118,7 +134,7 @@ class Instance:
             self._see_through()
             if len(self.model.coupled):
                 self._damp()
-        self.state = keep_modes(self.state, active)
+        self.state = keep_modes(self.state, self._moving)
         self._settle()
 
     def set_inputs(self, places: Any, values: Any) -> None:
@@ -132,18 +148,27 @@ class Instance:
         for place, value in values.items():
             state[place - self.layout.q.start] = value
         q, v = np.split(state, 2)
-        self.state = keep_modes(State(q, v), self.active)
+        self.state = keep_modes(State(q, v), self._moving)
         self._stale = True
+
+    def set_start(self, values: Mapping[int, float]) -> None:
+        """Initial s, ṡ by their places in the vector of all Reals."""
+        for place, value in values.items():
+            self.start[place - self.layout.start.start] = value
+        k, state = self.model.k, self.state
+        s, s_dot = np.split(self.start, 2)
+        self.state = State(np.concatenate([s, state.q[k:]]), np.concatenate([s_dot, state.v[k:]]))
+        self._settle()
 
     def reals(self) -> Floats:
         """The vector of all Reals, up to date; it is the instance's own."""
         if self._stale:
             place, y = self.layout, self._reals
             with np.errstate(all="ignore"):  # an input may be infinite, and then outputs are
-                lam, state = self.model.lam, self.state
-                a = acceleration(lam, self._d, self._D_off, state, self._modal_force())
-                y[place.outputs] = outputs(self._rows, lam, self.alpha, self._R_in, state, a, self.u)
-            y[place.inputs] = self.u
+                model, state, damping = self.model, self.state, (self.alpha, self.beta)
+                a = acceleration(model.lam, self._d, self._D_off, state, self._force()[0])
+                y[place.outputs] = outputs(model, self._rows, self._R_in, damping, state, a, self.u)
+            y[place.inputs], y[place.start] = self.u, self.start
             y[place.q], y[place.v] = self.state.q, self.state.v
             y[place.q_dot], y[place.v_dot] = self.state.v, a
             self._stale = False
@@ -159,6 +184,7 @@ class Instance:
             "beta": self.beta,
             "active": self.active,
             "u": self.u.tolist(),
+            "start": self.start.tolist(),
             "q": self.state.q.tolist(),
             "v": self.state.v.tolist(),
         }
@@ -170,21 +196,23 @@ class Instance:
         """
         if saved["model"] != self._digest():
             raise ValueError("it was saved by another model")
-        u, q, v = (np.array(saved[key], dtype=float) for key in ("u", "q", "v"))
+        u, start, q, v = (np.array(saved[key], dtype=float) for key in ("u", "start", "q", "v"))
         time, alpha, beta = (float(saved[key]) for key in ("time", "alpha", "beta"))
         initialising, active = bool(saved["initialising"]), int(saved["active"])
-        numbers = np.concatenate([q, v, [time, alpha, beta]])
-        if (u.shape, q.shape, v.shape) != (self.u.shape, self.state.q.shape, self.state.v.shape):
+        numbers = np.concatenate([start, q, v, [time, alpha, beta]])
+        own = (self.u, self.start, self.state.q, self.state.v)
+        if [array.shape for array in (u, start, q, v)] != [array.shape for array in own]:
             raise ValueError("its vectors have other lengths")
-        if not (np.isfinite(numbers).all() and min(alpha, beta) >= 0 and 0 <= active <= len(q)):
+        if not (np.isfinite(numbers).all() and min(alpha, beta) >= 0 and 0 <= active <= self.model.r):
             raise ValueError("its values are out of range")
-        self.initialising, self.time, self.u = initialising, time, u
+        self.initialising, self.time, self.u, self.start = initialising, time, u, start
         self.set_active(active)
-        self.state = State(q, v)
         self.set_damping(alpha, beta)
+        self.state = State(q, v)
         self._stale = True
 
     def _digest(self) -> str:
         model = self.model
-        arrays = b"".join(array.tobytes() for array in (model.lam, model.D_rest, model.B, model.C, model.R))
+        used = (model.lam, model.D_rest, model.B, model.C, model.R, model.M_s, model.K_s)
+        arrays = b"".join(array.tobytes() for array in used)
         return hashlib.sha256(arrays).hexdigest()[:16]

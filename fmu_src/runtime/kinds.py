@@ -10,15 +10,15 @@ from typing import Literal, TypeAlias
 Law: TypeAlias = Literal["position", "velocity", "acceleration", "reaction", "mises", "kinetic", "strain"]
 
 ROWS: Mapping[Law, int] = {
-    "position": 1,  # C q + R u
-    "velocity": 1,  # C q̇ + R u̇
-    "acceleration": 1,  # C q̈ + R u
-    "reaction": 2,  # C₁ q̈ + (C₂ + α C₁) q̇ + R₁ u
-    "mises": 6,  # of the stress C q + R u in xx, yy, zz, xy, yz, zx
-    "kinetic": 0,  # ½ q̇ᵀq̇
-    "strain": 0,  # ½ qᵀΛq + ½ uᵀR_in u
+    "position": 1,  # C x + R u
+    "velocity": 1,  # C ẋ + R u̇
+    "acceleration": 1,  # C ẍ + R u
+    "reaction": 3,  # C₁ (ẍ + αẋ) + C₂ ẋ + C₃ (x + βẋ) + R₁ u
+    "mises": 6,  # of the stress C x + R u in xx, yy, zz, xy, yz, zx
+    "kinetic": 0,  # ½ q̇ᵀq̇ + q̇ᵀP ṡ + ½ ṡᵀM_s ṡ
+    "strain": 0,  # ½ qᵀΛq + ½ sᵀK_s s + ½ uᵀR_in u
 }
-"""How many rows of C and R an output of each law takes."""
+"""How many rows of C and R an output of each law takes; x = [s; q] (model.py)."""
 
 STATIC_LAWS: tuple[Law, ...] = ("position", "velocity", "mises")
 """What a mode that follows statically has a part in; its acceleration, so its reaction, is 0."""
@@ -28,10 +28,15 @@ STRESSES = ("xx", "yy", "zz", "xy", "yz", "zx")
 
 @dataclass(frozen=True)
 class Input:
-    """unit: as in the FMU; text: what it is, with {port}."""
+    """unit: as in the FMU; text: what it is, with {port}.
+
+    prescribes: of an acceleration that is prescribed, the keys of the displacement and the velocity that
+    follow from it.
+    """
 
     unit: str
     text: str
+    prescribes: tuple[str, str] | None = None
 
 
 @dataclass(frozen=True)
@@ -55,6 +60,20 @@ ORDINARY_INPUTS: Mapping[str, Input] = {
     **{key: Input("N", f"{text} at {{port}}") for key, text in _along("force").items()},
     **{key: Input("N.m", f"{text} at {{port}}") for key, text in _about("moment").items()},
     "pressure": Input("Pa", "pressure into the faces of {port}"),
+    **{
+        f"motion.{k}": Input(
+            "m/s2", f"prescribed acceleration in {k} of {{port}}", (f"displacement.{k}", f"velocity.{k}")
+        )
+        for k in "xyz"
+    },
+    **{
+        f"angular_motion.{k}": Input(
+            "rad/s2",
+            f"prescribed angular acceleration about {k} of {{port}}",
+            (f"rotation.{k}", f"angular_velocity.{k}"),
+        )
+        for k in "xyz"
+    },
 }
 ORDINARY_OUTPUTS: Mapping[str, Output] = {
     **{k: Output("m", f"{text} of {{port}}", "position") for k, text in _along("displacement").items()},
@@ -78,6 +97,7 @@ ORDINARY_OUTPUTS: Mapping[str, Output] = {
     **{f"stress.{k}": Output("Pa", f"stress {k} at {{port}}", "position") for k in STRESSES},
     "stress.mises": Output("Pa", "von Mises stress at {port}", "mises"),
     **{k: Output("N", f"{text} of {{port}}", "reaction") for k, text in _along("reaction").items()},
+    **{k: Output("N.m", f"{text} of {{port}}", "reaction") for k, text in _about("reaction_moment").items()},
 }
 GRAVITY: Mapping[str, Input] = {k: Input("m/s2", f"acceleration of gravity in {k}") for k in "xyz"}
 BASE: Mapping[str, Input] = {

@@ -1,8 +1,9 @@
-"""The reduced model: modal oscillators between ports [2.29–2.32]."""
+"""The reduced model: modal oscillators between ports [2.29–2.32], and ports whose motion is prescribed."""
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import accumulate
 from typing import Literal, TypeAlias
 
@@ -31,18 +32,27 @@ class Port:
 
 @dataclass(frozen=True, eq=False)  # arrays have no one truth value
 class ReducedModel:
-    """q̈ + D̃ q̇ + Λ q = B u,  D̃ = αI + βΛ + D_rest,  outputs from C q, C q̇ or C q̈ and R u [2.28, 2.32].
+    """s̈ = a and q̈ + D̃ q̇ + Λ q = B u + N ṡ,  D̃ = αI + βΛ + D_rest,  outputs from x, ẋ, ẍ and R u [2.28, 2.32].
 
-    lam: (r,) λ ≥ 0 ascending, 1/s², exactly 0 for rigid modes; alpha in 1/s, beta in s;
-    D_rest: (r, r) 1/s, symmetric ≥ 0, what no α and β describe; an entry off its diagonal couples two modes;
-    B: (r, m) one column per input; C: (s, r) and R: (s, m), `ROWS[law]` rows per output (kinds.py), R being
-    the feed-through of its inputs; all in the order of `ports`. The modes are mass-normalised, so that q is
-    in kg^½·m, B and C for forces and displacements in kg^-½.
+    The coordinates x = [s; q] are k displacements and rotations of ports that are prescribed by their
+    accelerations a, which are among the inputs u, and the amplitudes q of r modes of the part with these
+    held: it deforms by Ψ s + Φ q, Ψ what follows s statically, ΨᵀKΦ = 0. The modes move relative to Ψ s, so
+    that B_a = −ΦᵀMΨ are the columns of a, and damping of the whole motion drags them: N = αB_a − ΦᵀDΨ.
+
+    lam: (k + r,) 1/s², 0 for s, then λ ≥ 0 ascending, exactly 0 for rigid modes; alpha in 1/s, beta in s;
+    D_rest: (k + r, k + r) 1/s, symmetric ≥ 0, what no α and β describe, ΦᵀDΨ beside the modes; an entry off
+    its diagonal couples two modes; the part between s and s moves nothing;
+    B: (k + r, m) one column per input, in the rows of s 1 for its own acceleration and else 0;
+    C: (rows, k + r) and R: (rows, m), `ROWS[law]` rows per output (kinds.py), R being the feed-through of its
+    inputs; all in the order of `ports`. The modes are mass-normalised, so that q is in kg^½·m, B and C for
+    forces and displacements in kg^-½. The third row of a reaction has entries for s only (ΨᵀKΦ = 0).
     R_in: (m, m) symmetric, the residual flexibility between the inputs: ½ uᵀR_in u is its strain energy.
-    residual: elastic modes that are switched off follow statically and join R and R_in.
-    initial: "rest", or "static" for the equilibrium with the start values of the inputs.
+    residual: elastic modes that are switched off follow B u statically and join R and R_in.
+    initial: "rest", or "static" for the equilibrium with the start values of the inputs and of ṡ.
+    M_s = ΨᵀMΨ and K_s = ΨᵀKΨ: (k, k) symmetric, of the energies; (0, 0) where nothing is prescribed.
 
     Raises ModelError where a shape or value is not so.
+    Source: Clough & Penzien, Dynamics of Structures, 2nd ed., chapter 26 (multi-support excitation).
     """
 
     name: str
@@ -58,35 +68,43 @@ class ReducedModel:
     ports: tuple[Port, ...]
     initial: Literal["rest", "static"] = "rest"
     residual: bool = False
+    M_s: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    K_s: Floats = field(default_factory=lambda: np.zeros((0, 0)))
 
     def __post_init__(self) -> None:
         _check_names(self)
-        r, m, s = len(self.lam), len(self.inputs), sum(ROWS[law] for law in self.laws)
+        n, m, s = len(self.lam), len(self.inputs), sum(ROWS[law] for law in self.laws)
         for key, array, shape in (
-            ("lam", self.lam, (r,)),
-            ("D_rest", self.D_rest, (r, r)),
-            ("B", self.B, (r, m)),
-            ("C", self.C, (s, r)),
+            ("lam", self.lam, (n,)),
+            ("D_rest", self.D_rest, (n, n)),
+            ("B", self.B, (n, m)),
+            ("C", self.C, (s, n)),
             ("R", self.R, (s, m)),
             ("R_in", self.R_in, (m, m)),
+            ("M_s", self.M_s, (self.k, self.k)),
+            ("K_s", self.K_s, (self.k, self.k)),
         ):
             if array.shape != shape or array.dtype != np.float64:
                 raise ModelError(f"{key}: got {array.dtype} {array.shape}, expected float64 {shape}")
             if not np.isfinite(array).all():
                 raise ModelError(f"{key}: got a value that is not finite, expected finite numbers")
-        if r == 0 or not (self.inputs or self.outputs):
-            raise ModelError(f"got {r} modes, {m} inputs and no output, expected a mode and a port")
+        if self.r <= 0 or not (self.inputs or self.outputs):
+            raise ModelError(
+                f"got {self.r} modes, {m} inputs and {len(self.outputs)} outputs, expected a mode and a port"
+            )
+        _check_motions(self)
         if self.lam[0] < 0 or (np.diff(self.lam) < 0).any():
             raise ModelError("lam: expected eigenvalues ≥ 0 in ascending order")
         if not (0 <= self.alpha < np.inf and 0 <= self.beta < np.inf):
             raise ModelError(f"got alpha {self.alpha}, beta {self.beta}, expected finite numbers ≥ 0")
-        if (np.diag(self.D_rest) < 0).any() or (self.D_rest != self.D_rest.T).any():
-            raise ModelError("D_rest: expected a symmetric matrix with a diagonal ≥ 0")
+        for key, array in (("D_rest", self.D_rest), ("M_s", self.M_s), ("K_s", self.K_s)):
+            if (np.diag(array) < 0).any() or (array != array.T).any():
+                raise ModelError(f"{key}: expected a symmetric matrix with a diagonal ≥ 0")
         if (self.R_in != self.R_in.T).any():
             raise ModelError("R_in: expected a symmetric matrix")
         if self.initial not in ("rest", "static"):
             raise ModelError(f'initial: got {self.initial!r}, expected "rest" or "static"')
-        if self.initial == "static" and self.lam[0] == 0:
+        if self.initial == "static" and self.lam[self.k] == 0:
             raise ModelError('initial = "static" needs a body without rigid modes: support it, or use "rest"')
 
     @property
@@ -104,25 +122,52 @@ class ReducedModel:
         """How each output is computed."""
         return tuple(outputs_of(port.name)[key].law for port in self.ports for key in port.outputs)
 
+    @cached_property
+    def motions(self) -> Ints:
+        """The places (k,) among the inputs of the accelerations that are prescribed, in the order of s."""
+        given = [inputs_of(port.name)[key].prescribes for port in self.ports for key in port.inputs]
+        return np.flatnonzero([prescribed is not None for prescribed in given])
+
+    @cached_property
+    def k(self) -> int:
+        """How many motions are prescribed."""
+        return len(self.motions)
+
+    @property
+    def r(self) -> int:
+        """How many modes there are."""
+        return len(self.lam) - self.k
+
     @property
     def coupled(self) -> Ints:
-        """The modes that D_rest couples to another one, ascending."""
+        """The places in x of the modes that D_rest couples to another one, ascending."""
         off = self.D_rest - np.diag(np.diag(self.D_rest))
-        found: Ints = np.flatnonzero(off.any(axis=1))
+        found: Ints = self.k + np.flatnonzero(off[self.k :, self.k :].any(axis=1))
         return found
 
     @property
     def frequency(self) -> Floats:
-        """fᵢ = ωᵢ/2π in Hz, (r,) [2.30, 2.31]."""
-        return np.sqrt(self.lam) / (2 * np.pi)
+        """fᵢ = ωᵢ/2π of the modes in Hz, (r,) [2.30, 2.31]."""
+        return np.sqrt(self.lam[self.k :]) / (2 * np.pi)
 
     def damping(self, alpha: float, beta: float) -> Floats:
-        """dᵢ = α + βλᵢ + D_rest,ᵢᵢ in 1/s, (r,) [2.28]: the diagonal of D̃."""
-        return alpha + beta * self.lam + np.diag(self.D_rest)
+        """The diagonal of D̃ in 1/s, (k + r,): 0 for s, dᵢ = α + βλᵢ + D_rest,ᵢᵢ for the modes [2.28]."""
+        d: Floats = alpha + beta * self.lam + np.diag(self.D_rest)
+        d[: self.k] = 0.0
+        return d
 
     def damping_ratio(self, alpha: float, beta: float) -> Floats:
-        """ζᵢ for these α, β, (r,); 0 for rigid modes."""
-        return damping_ratio(self.lam, self.damping(alpha, beta))
+        """ζᵢ of the modes for these α, β, (r,); 0 for rigid modes."""
+        return damping_ratio(self.lam[self.k :], self.damping(alpha, beta)[self.k :])
+
+    def drag(self, alpha: float) -> Floats:
+        """N = αB_a − ΦᵀDΨ in 1/s, (k + r, k), 0 in the rows of s: N ṡ is the modal force of what brakes Ψṡ.
+
+        αM and D act on the whole motion Ψ s + Φ q; βK adds nothing, as ΦᵀKΨ = 0.
+        """
+        N: Floats = alpha * self.B[:, self.motions] - self.D_rest[:, : self.k]
+        N[: self.k] = 0.0
+        return N
 
 
 def damping_ratio(lam: Floats, d: Floats) -> Floats:
@@ -135,6 +180,20 @@ def damping_ratio(lam: Floats, d: Floats) -> Floats:
 def row_starts(laws: Sequence[Law]) -> list[int]:
     """The first row of C and R of each output, and the number of rows at the end."""
     return [0, *accumulate(ROWS[law] for law in laws)]
+
+
+def _check_motions(model: ReducedModel) -> None:
+    """What the rows and columns of s hold."""
+    k, B_s = model.k, np.zeros((model.k, len(model.inputs)))
+    B_s[np.arange(k), model.motions] = 1.0
+    if model.lam[:k].any():
+        raise ModelError(f"lam: expected 0 for the first {k}, whose motion is prescribed")
+    if (model.B[:k] != B_s).any():
+        raise ModelError(f"B: expected in the first {k} rows 1 for the acceleration of each, else 0")
+    starts = row_starts(model.laws)
+    elastic = [starts[i] + 2 for i, law in enumerate(model.laws) if law == "reaction"]
+    if model.C[elastic, k:].any():
+        raise ModelError("C: expected 0 for modes in the third row of a reaction: held ports feel no K Φ")
 
 
 def _check_names(model: ReducedModel) -> None:

@@ -29,6 +29,8 @@ class Feedthrough:
 def feedthrough(model: ReducedModel, active: int) -> Feedthrough:
     """R + Σ Cᵢ Bᵢ/λᵢ and R_in + Σ Bᵢ Bᵢᵀ/λᵢ over the elastic modes i that are off but follow statically.
 
+    active: how many of the coordinates move.
+
     Only positions and velocities have the sum: what is off has no acceleration.
     """
     off = np.arange(len(model.lam)) >= active
@@ -59,12 +61,19 @@ def rows_by_law(model: ReducedModel, R: Floats) -> dict[Law, Rows]:
 
 
 def outputs(
-    rows: dict[Law, Rows], lam: Floats, alpha: float, R_in: Floats, state: State, a: Floats, u: Floats
+    model: ReducedModel,
+    rows: dict[Law, Rows],
+    R_in: Floats,
+    damping: tuple[float, float],
+    state: State,
+    a: Floats,
+    u: Floats,
 ) -> Floats:
     """y: (p,) in the units of kinds.py; the inputs are held, so that velocities have no R u̇.
 
-    rows: of `rows_by_law`; lam: (r,) 1/s²; alpha: 1/s; R_in: (m, m); a: (r,) q̈; u: (m,).
+    rows: of `rows_by_law`; R_in: (m, m); damping: α in 1/s, β in s; state: x, ẋ; a: (k + r,) ẍ; u: (m,).
     """
+    alpha, beta = damping
     y = np.zeros(sum(len(one.places) for one in rows.values()))
     q, v = state.q, state.v
     for law, one in rows.items():
@@ -76,15 +85,25 @@ def outputs(
             case "acceleration":
                 y[one.places] = _linear(one, a, u)
             case "reaction":
-                through = 0.0 if one.R is None else (one.R @ u)[::2]
-                y[one.places] = one.C[::2] @ (a + alpha * v) + one.C[1::2] @ v + through
+                through = 0.0 if one.R is None else (one.R @ u)[::3]
+                inertia, dashpots = one.C[::3] @ (a + alpha * v), one.C[1::3] @ v
+                y[one.places] = inertia + dashpots + one.C[2::3] @ (q + beta * v) + through
             case "mises":
                 y[one.places] = mises(_linear(one, q, u).reshape(-1, 6))
             case "kinetic":
-                y[one.places] = 0.5 * (v @ v)
+                y[one.places] = 0.5 * kinetic_form(model, v)
             case "strain":
-                y[one.places] = 0.5 * (q @ (lam * q) + u @ R_in @ u)
+                s = q[: model.k]
+                y[one.places] = 0.5 * (q @ (model.lam * q) + s @ model.K_s @ s + u @ R_in @ u)
     return y
+
+
+def kinetic_form(model: ReducedModel, v: Floats) -> float:
+    """q̇ᵀq̇ + 2 q̇ᵀP ṡ + ṡᵀM_s ṡ with P = ΦᵀMΨ = −B_a: twice the energy of the whole motion Ψ ṡ + Φ q̇."""
+    k = model.k
+    s_dot, q_dot = v[:k], v[k:]
+    P = -model.B[k:, model.motions]
+    return float(q_dot @ q_dot + 2 * (q_dot @ (P @ s_dot)) + s_dot @ model.M_s @ s_dot)
 
 
 def _linear(rows: Rows, motion: Floats, u: Floats) -> Floats:

@@ -16,14 +16,16 @@ import numpy as np
 from .errors import ModelError
 from .model import Floats, Port, ReducedModel
 
-SCHEMA = 2
+SCHEMA = 3
 ARRAYS = {
     "lam": "1/s2",
     "D_rest": "1/s",
     "B": "kg^1/2.m/s2 per unit of the input",
-    "C": "unit of the output per kg^1/2.m, with its derivative by time",
+    "C": "unit of the output per kg^1/2.m, with its derivatives by time",
     "R": "unit of the output per unit of the input",
     "R_in": "J per product of the units of two inputs, twice",
+    "M_s": "J per product of the units of two prescribed velocities, twice",
+    "K_s": "J per product of the units of two prescribed displacements, twice",
 }
 LIMIT = 1 << 31  # bytes of one file; a larger one is no reduced model
 AGAIN = "build the FMU again"

@@ -81,9 +81,12 @@ class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
             self._refuse(f"fmi2SetReal: {reason}")
             return
         inputs = {vr: value for vr, value in given.items() if vr < place.inputs.stop}
+        starts = {vr: value for vr, value in given.items() if place.start.start <= vr < place.start.stop}
         states = {vr: value for vr, value in given.items() if vr >= place.q.start}
         if inputs:
             instance.set_inputs([*inputs], [*inputs.values()])
+        if starts:
+            instance.set_start(starts)
         if states:
             instance.set_state(states)
         instance.set_damping(given.get(place.alpha, instance.alpha), given.get(place.beta, instance.beta))
@@ -91,17 +94,24 @@ class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
     def _hindrance(self, vr: int, value: float) -> str | None:
         """Why this Real cannot be set to this value now, or None."""
         instance, place = self._instance, self._instance.layout
-        static = instance.model.initial == "static"
         if vr < place.inputs.stop:
             return None  # a step is where an input must be finite
         if vr in (place.alpha, place.beta):
             good = 0.0 <= value < math.inf
             return None if good else f"got a damping parameter of {value}, expected a finite number ≥ 0"
-        if not place.q.start <= vr < place.v.stop or (static and vr < place.q.stop):
+        is_start = place.start.start <= vr < place.start.stop
+        if not (is_start or place.q.start <= vr < place.v.stop) or self._follows(vr):
             return f"value reference {vr} is calculated; it cannot be set"
+        what = "start of a prescribed motion" if is_start else "modal state"
         if not instance.initialising:
-            return "the modal state can be set before fmi2ExitInitializationMode only"
-        return None if math.isfinite(value) else f"got a modal state of {value}, expected a finite number"
+            return f"the {what} can be set before fmi2ExitInitializationMode only"
+        return None if math.isfinite(value) else f"got a {what} of {value}, expected a finite number"
+
+    def _follows(self, vr: int) -> bool:
+        """Whether this state has no start value of its own: s, ṡ and in a static start q."""
+        place, model = self._instance.layout, self._instance.model
+        last = place.q.stop if model.initial == "static" else place.q.start + model.k
+        return vr in range(place.q.start, last) or vr in range(place.v.start, place.v.start + model.k)
 
     def get_integer(self, vrs: list[int]) -> list[int]:
         """modes.active, the one Integer."""
@@ -111,7 +121,7 @@ class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
 
     def set_integer(self, vrs: list[int], values: list[int]) -> None:
         """modes.active, the one Integer."""
-        r = len(self._instance.model.lam)
+        r = self._instance.model.r
         if unknown := _unknown(vrs, 1):
             self._refuse(f"fmi2SetInteger: {unknown} (modes.active)")
         elif bad := [value for value in values if not 0 <= value <= r]:

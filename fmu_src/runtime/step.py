@@ -1,4 +1,8 @@
-"""Modal state, its exact advance over a step, and its equilibrium."""
+"""The state, its exact advance over a step, and its equilibrium.
+
+A prescribed motion s̈ = a (model.py) is stepped as a mode without stiffness and damping; its velocity is a
+polynomial in time, so what it drags is a force of one degree more than the inputs.
+"""
 
 from dataclasses import dataclass
 
@@ -11,7 +15,7 @@ from .propagator import Propagator
 
 @dataclass(frozen=True)
 class State:
-    """Modal amplitudes q and velocities q̇ = v, (r,) each, in kg^½·m and kg^½·m/s."""
+    """Amplitudes q and velocities q̇ = v, (r,) each, in kg^½·m and kg^½·m/s; or x and ẋ of a whole model."""
 
     q: Floats
     v: Floats
@@ -22,29 +26,23 @@ def at_rest(r: int) -> State:
     return State(np.zeros(r), np.zeros(r))
 
 
-def step(
-    P: Propagator, state: State, f: Floats, f_dot: Floats | float = 0.0, f_ddot: Floats | float = 0.0
-) -> State:
-    """[q, v](t+h) = E(h) [q, v](t) + G₀(h) f + G₁(h) ḟ + G₂(h) f̈, exact for the force f + ḟ s + f̈ s²/2.
+def step(P: Propagator, state: State, f: Floats, *rates: Floats) -> State:
+    """[q, v](t+h) = E(h) [q, v](t) + G₀(h) f + G₁(h) ḟ + …, exact for the force f + ḟ τ + f̈ τ²/2 + f⃛ τ³/6.
 
-    f: (r,) modal forces Bu at the start of the step, f_dot, f_ddot: (r,) their first two rates there [2.33].
+    f: (r,) modal forces Bu at the start of the step, rates: (r,) each, up to three derivatives there [2.33].
     """
     q, v = state.q, state.v
-    return State(
-        P.E11 * q + P.E12 * v + P.G0 * f + P.G1 * f_dot + P.G2 * f_ddot,
-        P.E21 * q + P.E22 * v + P.E12 * f + P.G0 * f_dot + P.G1 * f_ddot,
-    )
+    q, v = P.E11 * q + P.E12 * v + P.G0 * f, P.E21 * q + P.E22 * v + P.E12 * f
+    for G, G_dot, rate in zip((P.G1, P.G2, P.G3), (P.G0, P.G1, P.G2), rates, strict=False):
+        q, v = q + G * rate, v + G_dot * rate
+    return State(q, v)
 
 
-def coupled_step(
-    P: CoupledPropagator, state: State, f: Floats, f_dot: Floats | None = None, f_ddot: Floats | None = None
-) -> State:
+def coupled_step(P: CoupledPropagator, state: State, f: Floats, *rates: Floats) -> State:
     """The same for modes that damping couples: state and forces are those of the group alone, (g,) each."""
     q, v = P.E11 @ state.q + P.E12 @ state.v + P.G0 @ f, P.E21 @ state.q + P.E22 @ state.v + P.E12 @ f
-    if f_dot is not None:
-        q, v = q + P.G1 @ f_dot, v + P.G0 @ f_dot
-    if f_ddot is not None:
-        q, v = q + P.G2 @ f_ddot, v + P.G1 @ f_ddot
+    for G, G_dot, rate in zip((P.G1, P.G2, P.G3), (P.G0, P.G1, P.G2), rates, strict=False):
+        q, v = q + G @ rate, v + G_dot @ rate
     return State(q, v)
 
 
@@ -60,7 +58,7 @@ def static_solution(lam: Floats, f: Floats) -> State:
 
 
 def keep_modes(state: State, active: int) -> State:
-    """Level of detail: the first `active` modes as they are, the others at rest."""
+    """Level of detail: the first `active` coordinates as they are, the modes behind them at rest."""
     q, v = state.q.copy(), state.v.copy()
     q[active:] = 0.0
     v[active:] = 0.0

@@ -4,12 +4,15 @@ The value reference of a Real is its place among the Reals; the one Integer has 
 """
 
 from dataclasses import dataclass
+from itertools import accumulate, pairwise
 from typing import Literal
 
 import numpy as np
 
 from .kinds import inputs_of, outputs_of
 from .model import Floats, Port, ReducedModel
+
+RATES = {"m": "m/s", "m/s": "m/s2", "rad": "rad/s", "rad/s": "rad/s2"}
 
 
 @dataclass(frozen=True)
@@ -19,7 +22,7 @@ class Variable:
     name: str
     type: Literal["Real", "Integer"]
     causality: Literal["input", "output", "parameter", "calculatedParameter", "local"]
-    variability: Literal["continuous", "tunable", "constant"]
+    variability: Literal["continuous", "tunable", "fixed", "constant"]
     initial: Literal["exact", "calculated"] | None
     description: str
     unit: str | None = None
@@ -32,12 +35,16 @@ class Variable:
 
 @dataclass(frozen=True)
 class Layout:
-    """Where each group of Reals stands in the vector of all Reals."""
+    """Where each group of Reals stands in the vector of all Reals.
+
+    start: of s, then of ṡ; q and v, the states, are all of x = [s; q] and of ẋ, q_dot and v_dot their rates.
+    """
 
     inputs: slice
     outputs: slice
     alpha: int
     beta: int
+    start: slice
     frequency: slice
     damping_ratio: slice
     q: slice
@@ -48,22 +55,19 @@ class Layout:
 
 
 def layout(model: ReducedModel) -> Layout:
-    """inputs, outputs, α, β, frequencies, damping ratios, q, v, q̇, v̇ in this order."""
-    m, p, r = len(model.inputs), len(model.outputs), len(model.lam)
-    modal = m + p + 2
-    frequency, ratio, q, v, q_dot, v_dot = (slice(modal + k * r, modal + (k + 1) * r) for k in range(6))
+    """inputs, outputs, α, β, starts, frequencies, damping ratios, x, ẋ, their rates in this order."""
+    m, p, n = len(model.inputs), len(model.outputs), len(model.lam)
+    ends = [0, *accumulate([m, p, 1, 1, 2 * model.k, model.r, model.r, n, n, n, n])]
+    inputs, outputs, alpha, beta, start, frequency, ratio, *x = (slice(a, b) for a, b in pairwise(ends))
+    q, v, q_dot, v_dot = x
     return Layout(
-        slice(0, m), slice(m, m + p), m + p, m + p + 1, frequency, ratio, q, v, q_dot, v_dot, modal + 6 * r
+        inputs, outputs, alpha.start, beta.start, start, frequency, ratio, q, v, q_dot, v_dot, ends[-1]
     )
 
 
 def variables(model: ReducedModel) -> tuple[Variable, ...]:
     """All Reals in the order of `layout`, then the Integer `modes.active`."""
-    place = layout(model)
-    r = len(model.lam)
-    omega = np.sqrt(model.lam)
-    q_nominal, v_nominal = _nominal(model, omega)
-    static = model.initial == "static"
+    place, r = layout(model), model.r
     reals = [
         *(_input(port, key) for port in model.ports for key in port.inputs),
         *(_output(port, key) for port in model.ports for key in port.outputs),
@@ -72,6 +76,7 @@ def variables(model: ReducedModel) -> tuple[Variable, ...]:
             "damping.beta", model.beta, "s", "stiffness-proportional damping, d = alpha + beta*lambda"
         ),
     ]
+    reals += _starts(model)
     for i, f in enumerate(model.frequency, start=1):
         reals.append(
             Variable(
@@ -96,21 +101,9 @@ def variables(model: ReducedModel) -> tuple[Variable, ...]:
         )
         for i in range(1, r + 1)
     ]
-    reals += [_state(f"modes.amplitude[{i + 1}]", "amplitude", q_nominal[i], not static) for i in range(r)]
-    reals += [_state(f"modes.velocity[{i + 1}]", "velocity", v_nominal[i], True) for i in range(r)]
-    for states, word in ((place.q, "amplitude"), (place.v, "velocity")):
-        reals += [
-            Variable(
-                f"der(modes.{word}[{i}])",
-                "Real",
-                "local",
-                "continuous",
-                "calculated",
-                f"time derivative of the {word} of mode {i}",
-                derivative=states.start + i - 1,
-            )
-            for i in range(1, r + 1)
-        ]
+    states = _states(model)
+    reals += states
+    reals += [_rate(state, place.q.start + i) for i, state in enumerate(states)]
     active = Variable(
         "modes.active",
         "Integer",
@@ -143,23 +136,109 @@ def _parameter(name: str, start: float, unit: str, text: str) -> Variable:
     return Variable(name, "Real", "parameter", "tunable", "exact", text, unit=unit, start=start, minimum=0.0)
 
 
-def _state(name: str, word: str, nominal: float, exact: bool) -> Variable:
+@dataclass(frozen=True)
+class _Prescribed:
+    """A displacement or velocity that is prescribed: port, key, unit."""
+
+    port: str
+    key: str
+    unit: str
+
+    def name(self, word: str) -> str:
+        return f"{self.port}.{word}_{self.key}"
+
+    def text(self, word: str) -> str:
+        kind, direction = self.key.split(".")
+        about = " about " if kind in ("rotation", "angular_velocity") else " in "
+        return f"{word} {kind.replace('_', ' ')}{about}{direction} of {self.port}"
+
+
+def _prescribed(model: ReducedModel, order: int) -> list[_Prescribed]:
+    """s (order 0) or ṡ (order 1), as they follow from the inputs."""
+    found = []
+    for port in model.ports:
+        for key in port.inputs:
+            if prescribes := inputs_of(port.name)[key].prescribes:
+                own = prescribes[order]
+                found.append(_Prescribed(port.name, own, outputs_of(port.name)[own].unit))
+    return found
+
+
+def _starts(model: ReducedModel) -> list[Variable]:
+    """Where prescribed motions begin."""
+    return [
+        Variable(
+            one.name("start"),
+            "Real",
+            "parameter",
+            "fixed",
+            "exact",
+            f"{one.text('prescribed')} at the start",
+            unit=one.unit,
+            start=0.0,
+        )
+        for order in (0, 1)
+        for one in _prescribed(model, order)
+    ]
+
+
+def _states(model: ReducedModel) -> list[Variable]:
+    """s, q, then ṡ, q̇."""
+    found: list[Variable] = []
+    for order, word in enumerate(("amplitude", "velocity")):
+        nominal = _nominal(model, order).tolist()
+        found += [
+            Variable(
+                one.name("prescribed"),
+                "Real",
+                "local",
+                "continuous",
+                "calculated",
+                one.text("prescribed"),
+                unit=one.unit,
+                nominal=scale,
+            )
+            for one, scale in zip(_prescribed(model, order), nominal, strict=False)
+        ]
+        exact = not (order == 0 and model.initial == "static")
+        found += [
+            Variable(
+                f"modes.{word}[{i}]",
+                "Real",
+                "local",
+                "continuous",
+                "exact" if exact else "calculated",
+                f"modal {word}, mass-normalised",
+                start=0.0 if exact else None,
+                nominal=scale,
+            )
+            for i, scale in enumerate(nominal[model.k :], start=1)
+        ]
+    return found
+
+
+def _rate(state: Variable, place: int) -> Variable:
+    """The derivative by time of the state at this place."""
+    unit = None if state.unit is None else RATES[state.unit]
+    text = f"time derivative of {state.name}"
     return Variable(
-        name,
+        f"der({state.name})",
         "Real",
         "local",
         "continuous",
-        "exact" if exact else "calculated",
-        f"modal {word}, mass-normalised",
-        start=0.0 if exact else None,
-        nominal=float(nominal),
+        "calculated",
+        text,
+        unit=unit,
+        derivative=place,
     )
 
 
-def _nominal(model: ReducedModel, omega: Floats) -> tuple[Floats, Floats]:
-    """|Bᵢ|/λᵢ and |Bᵢ|/ωᵢ: what a force of 1 N gives, and 1 where that is no usable number."""
+def _nominal(model: ReducedModel, order: int) -> Floats:
+    """|Bᵢ|/λᵢ (order 0) or |Bᵢ|/ωᵢ: what a force of 1 N gives, and 1 where that is no usable number."""
+    omega = np.sqrt(model.lam)
     force = np.abs(model.B).max(axis=1, initial=0.0)
     usable = (omega > 1e-100) & (omega < 1e100) & (force > 1e-100) & (force < 1e100)
     omega = np.where(usable, omega, 1.0)
     force = np.where(usable, force, 1.0)
-    return force / omega**2, force / omega
+    nominal: Floats = force / (omega**2 if order == 0 else omega)
+    return nominal
