@@ -3,10 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from .arrays import Floats
 from .basis_file import read_basis
+from .constrained import Constrained
 from .craig_bampton import craig_bampton, interface_motions
 from .dofs import Dofs
 from .eigen import Modes, number_up_to, solve_modes
@@ -16,7 +16,6 @@ from .interface import Interface
 from .krylov import krylov
 from .mode_tables import Basis
 from .polynomial import polynomial_fields, vanishing_at_supports
-from .projection import nearest
 from .restraint import tell_rigid
 from .rigid import holding
 from .ritz import reduced_modes
@@ -30,7 +29,7 @@ def basis_modes(
     basis: Basis,
     solve: StaticSolver,
     interface: Interface,
-    T: csr_array,
+    held: Constrained,
     dofs: Dofs,
     points: Floats,
     *,
@@ -42,8 +41,7 @@ def basis_modes(
 ) -> Modes:
     """The modes K φ = λ M φ within the subspace of this kind [2.21–2.23], over the DOFs û of `solve`.
 
-    interface: over û too, with Tᵀb and cT; T: (n, n̂), u = T û, columns orthogonal, the identity where no port
-    is rigid; dofs: of u; points: (nodes, 3) in m.
+    interface: over û too, with Tᵀb and cT; held: u = T û; dofs: of u; points: (nodes, 3) in m.
     count, max_frequency in Hz: at most one, of the fixed-interface modes for "craig-bampton", else of the
     modes; "modal", "craig-bampton" need one, "krylov" needs count, the others keep all where there is none.
     Raises EigenError, ZeroEnergyError: what the kinds raise.
@@ -69,26 +67,31 @@ def basis_modes(
         return reduced_modes(V, system, solve.rigid, f"Krylov vectors, {solve.factor.name}", where)
     if basis.kind == "polynomial":
         order = basis.order or 0
-        fields = nearest(T, polynomial_fields(points, dofs, order)) if order else system.rigid
+        fields = held.L @ polynomial_fields(points, dofs, order) if order else system.rigid
         V, words = vanishing_at_supports(fields, system, fixed), f"polynomials of order {order}"
     else:
-        V, words = _from_file(basis, solve, T, where), "vectors of a file"
+        V, words = _from_file(basis, solve, held, where), "vectors of a file"
     return _lowest(reduced_modes(V, system, solve.rigid, words, where), count, max_frequency)
 
 
-def _from_file(basis: Basis, solve: StaticSolver, T: csr_array, where: Where) -> Floats:
-    """û of the file's vectors, which must respect supports and rigid ports."""
+def _from_file(basis: Basis, solve: StaticSolver, held: Constrained, where: Where) -> Floats:
+    """û of the file's vectors, which must respect supports, rigid ports and held ones."""
     assert basis.file is not None  # the kind needs it
-    U = read_basis(basis.file, T.shape[0])
-    V = nearest(T, U)
+    U = read_basis(basis.file, held.T.shape[0])
+    V: Floats = held.L @ U
     allowed = MOVED * np.max(np.abs(U), axis=0)
-    if np.any(np.abs(T @ V - U) > allowed):
+    if np.any(np.abs(held.W @ U) > allowed):
+        raise EigenError(
+            f"basis: {basis.file.name} moves a port whose motion is an input, expected 0 there: vectors are "
+            'relative to it; mend the file, or take kind = "craig-bampton"'
+        )
+    if np.any(np.abs(held.T @ V - U) > allowed):
         raise EigenError(
             f'basis: {basis.file.name} deforms a port of kind = "rigid", expected its nodes to move as '
             'one body; take kind = "average"'
         )
-    held = holding(solve.system.K, np.flatnonzero(solve.held))
-    moved = held[np.any(np.abs(V[held]) > allowed, axis=1)]
+    fixed = holding(solve.system.K, np.flatnonzero(solve.held))
+    moved = fixed[np.any(np.abs(V[fixed]) > allowed, axis=1)]
     if len(moved):
         raise EigenError(
             f"basis: {basis.file.name} moves {len(moved)} DOFs that supports hold, first "

@@ -2,23 +2,27 @@
 
 from dataclasses import dataclass, replace
 
-from scipy.sparse import csc_array, csr_array
+import numpy as np
+from scipy.sparse import csr_array, vstack
 
 from .arrays import Floats
+from .constrained import Constrained
+from .coupled_damping import projected_damping
 from .damping import Damping, damping_of
 from .doubts import doubt_held_ports, doubt_point_stress
 from .eigen import Modes
 from .exchange import Exchange, exchange_of
 from .extra_damping import Dashpots
 from .full_part import FullPart, nodes_at
-from .interface import Interface, build_interface
+from .moved_ports import hold_motions
 from .part import Part
 from .port_elements import element_motion, with_masses, with_springs
+from .port_motion import motion
+from .port_rows import direction_of
 from .ports import PortNodes, port_nodes
+from .projection import rows_over
 from .rayleigh_part import split_rayleigh
-from .rigid_ports import Constrained, constrain
-from .statics import StaticSolver
-from .stress import stress_rows
+from .rigid_ports import constrain
 from .system import System
 
 
@@ -28,7 +32,8 @@ class Connection:
 
     full: the part without them; system: over the DOFs of `full`, with springs and masses; exchange: inputs
     and outputs; dashpots: w (1, n) and c of each; rayleigh: α in 1/s and β in s of the material, beside
-    those of [damping]; held: the same system over û, u = T û, where rigid ports move as one.
+    those of [damping]; held: the same system over û, u = T û, where rigid ports move as one and ports whose
+    motion is prescribed are held.
     """
 
     full: FullPart
@@ -41,7 +46,7 @@ class Connection:
     @property
     def own_dashpots(self) -> Dashpots:
         """The dashpots over û."""
-        return [(csr_array(w @ self.held.T), c) for w, c in self.dashpots]
+        return [(rows_over(w, self.held.T), c) for w, c in self.dashpots]
 
     def where(self, dof: int) -> str:
         """The place of a DOF of û, for messages."""
@@ -64,39 +69,11 @@ def connect(part: Part, full: FullPart) -> Connection:
     system = with_springs(system, springs)
     system = with_masses(system, [(by_name[mass.port], mass.mass) for mass in part.masses], dofs)
     rigid = [place for port, place in zip(part.ports, places, strict=True) if port.kind == "rigid"]
-    held = constrain(system, full.fixed, dofs, rigid)
-    return Connection(full, system, exchange_of(part, places, full.supports), dashpots, rayleigh, held)
-
-
-def interface_of(connection: Connection, solve: StaticSolver | None) -> Interface:
-    """F = b u and what is measured, over û; solve: of û, needed for reactions only."""
-    full, T = connection.full, connection.held.T
-
-    def stress(port: PortNodes) -> csr_array:
-        assert full.mesh is not None  # the part file has no stress without one
-        return stress_rows(full.mesh, full.materials, port.nodes, port.shares)
-
-    def statics(b: Floats) -> Floats:
-        assert solve is not None  # the caller saw that there are reactions
-        found: Floats = T @ solve(T.T @ b)
-        return found
-
-    interface = build_interface(
-        connection.exchange,
-        full.nodes,
-        full.dofs,
-        connection.system,
-        full.fixed,
-        solve=statics,
-        dashpots=connection.dashpots,
-        stress=stress,
-    )
-    return replace(interface, b=csc_array(T.T @ interface.b), c=csr_array(interface.c @ T))
-
-
-def needs_statics(exchange: Exchange) -> bool:
-    """Whether something is measured that takes a static solution: reactions."""
-    return any(support.outputs for support in exchange.supports)
+    exchange = exchange_of(part, places, full.supports)
+    moved = [motion(by_name[port], direction_of(key), dofs) for port, key in exchange.motions]
+    W = csr_array(vstack([csr_array((0, len(dofs.node))), *moved], format="csr"))
+    held = hold_motions(constrain(system, full.fixed, dofs, rigid), W, exchange.motions)
+    return Connection(full, system, exchange, dashpots, rayleigh, held)
 
 
 def _port_nodes(part: Part, full: FullPart, k: int) -> PortNodes:
@@ -131,3 +108,10 @@ def damped(part: Part, connection: Connection, modes: Modes) -> Damping:
         connection.own_dashpots,
         connection.rayleigh,
     )
+
+
+def drag(connection: Connection, Psi: Floats, modes: Modes) -> Floats:
+    """ΨᵀD [Ψ TΦ] in 1/s, (k, k + r), of the damping beyond Rayleigh's: what it does where the ports move."""
+    shapes = np.column_stack([Psi, connection.held.T @ modes.Phi])
+    lam = np.concatenate([np.zeros(Psi.shape[1]), modes.lam])
+    return projected_damping(lam, shapes, connection.system.D, connection.dashpots)[: Psi.shape[1]]

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from fmu_src.runtime.kinds import inputs_of
 from fmu_src.runtime.model import Port
 
 from .arrays import Ints
@@ -48,9 +49,19 @@ class Exchange:
         )
 
     @property
+    def keys(self) -> tuple[tuple[str, str], ...]:
+        """Port and key of each input: ("tip", "force.x"), ("gravity", "x") …"""
+        return tuple((port.name, key) for port in self.variables for key in port.inputs)
+
+    @property
+    def motions(self) -> tuple[tuple[str, str], ...]:
+        """Those that prescribe a motion: ("root", "motion.x") …"""
+        return tuple((port, key) for port, key in self.keys if inputs_of(port)[key].prescribes)
+
+    @property
     def inputs(self) -> tuple[str, ...]:
         """Their names: "tip.force.x", "gravity.x" …"""
-        return tuple(f"{port.name}.{key}" for port in self.variables for key in port.inputs)
+        return tuple(f"{port}.{key}" for port, key in self.keys)
 
 
 def exchange_of(part: Part, places: Sequence[PortNodes], held: Sequence[Ints]) -> Exchange:

@@ -1,6 +1,7 @@
 """What an FMU says of itself: its variables, checked against what the user names."""
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -12,6 +13,7 @@ import fmpy
 
 from .errors import ModalFmuError
 
+_PRESCRIBED = re.compile(r"\w+\.prescribed_(displacement|rotation)\.[xyz]")
 NUMBERS = ("Real", "Integer", "Boolean", "Enumeration")
 
 
@@ -42,9 +44,12 @@ class Face:
 
     @property
     def amplitudes(self) -> list[str]:
-        """modes.amplitude[1], modes.amplitude[2], …: q of the deformed shape; none where it is not ours."""
-        names = [f"modes.amplitude[{i}]" for i in range(1, len(self.variables) + 1)]
-        return [name for name in names if name in self.variables]
+        """x of the deformed shape: what is prescribed at ports, then modes.amplitude[1] and so on.
+
+        None where it is not ours.
+        """
+        modes = (f"modes.amplitude[{i}]" for i in range(1, len(self.variables) + 1))
+        return [*filter(_PRESCRIBED.fullmatch, self.variables), *filter(self.variables.__contains__, modes)]
 
     def unit(self, name: str) -> str:
         """The unit of a variable, empty where it has none."""

@@ -24,7 +24,7 @@ def mode_table(reduction: Reduction) -> Table:
     model = reduction.model
     share = 100 * reduction.effective_mass / reduction.total_mass
     table = Table(
-        title=f"{model.name}: {len(model.lam)} modes, {reduction.total_mass:.4g} kg",
+        title=f"{model.name}: {model.r} modes, {reduction.total_mass:.4g} kg",
         title_justify="left",
         box=box.SIMPLE,
         show_footer=True,
@@ -47,7 +47,7 @@ def mode_object(reduction: Reduction) -> dict[str, Any]:
     return {
         "frequencies": reduction.model.frequency.tolist(),
         "damping_ratios": _ratios(reduction),
-        "rigid_body_modes": int(np.count_nonzero(reduction.model.lam == 0)),
+        "rigid_body_modes": int(np.count_nonzero(reduction.model.frequency == 0)),
         "effective_mass": dict(zip("xyz", reduction.effective_mass.tolist(), strict=True)),
         "total_mass": reduction.total_mass,
         "dominance": [float(x) if x >= 0 else None for x in reduction.dominance],
@@ -59,4 +59,4 @@ def mode_object(reduction: Reduction) -> dict[str, Any]:
 def _ratios(reduction: Reduction) -> list[float | None]:
     model = reduction.model
     zeta: Floats = model.damping_ratio(model.alpha, model.beta)
-    return [float(z) if lam > 0 else None for z, lam in zip(zeta, model.lam, strict=True)]
+    return [float(z) if f > 0 else None for z, f in zip(zeta, model.frequency, strict=True)]

@@ -34,9 +34,11 @@ class Oscillators:
 
 
 def oscillators_of(model: ReducedModel) -> Oscillators:
-    """q̈ + D̃ q̇ + Λ q = B u [2.32], all modes active."""
-    D = model.D_rest + np.diag(model.alpha + model.beta * model.lam)
-    return Oscillators(model.lam, np.ones_like(model.lam), D, model.B, model.C, model.R, model.alpha)
+    """q̈ + D̃ q̇ + Λ q = B u [2.32], all modes active: the motion relative to what is prescribed."""
+    modes = slice(model.k, None)
+    lam = model.lam[modes]
+    D = model.D_rest[modes, modes] + np.diag(model.alpha + model.beta * lam)
+    return Oscillators(lam, np.ones_like(lam), D, model.B[modes], model.C[:, modes], model.R, model.alpha)
 
 
 def amplitudes(system: Oscillators, omega: Floats, load: Floats) -> Complexes:

@@ -68,7 +68,7 @@ def build(
         show(certificate_table(found), *certificate_lines(found), "")
     show(
         f"{path}: {path.stat().st_size / 1e6:.2f} MB, {runtime} runtime ({', '.join(inside.platforms)}), "
-        f"{reduction.dofs} degrees of freedom → {len(reduction.model.lam)} modes, {reduction.modes.solver}, "
+        f"{reduction.dofs} degrees of freedom → {reduction.model.r} modes, {reduction.modes.solver}, "
         f"{time.monotonic() - started:.1f} s",
     )
 

@@ -11,6 +11,7 @@ from .mode_tables import Accuracy, Basis, ModeChoice, check_choice
 from .part_rules import (
     Reference,
     check_materials,
+    check_motions,
     check_names,
     check_ports,
     check_source,
@@ -98,6 +99,7 @@ class PartFile(Table):
         check_variables(self.port, self.support, self.loads, self.energy, self.system)
         check_ports(self.port, self._references())
         check_choice(self.modes, self.basis)
+        check_motions(self.port, self.basis)
         return self
 
     def _references(self) -> Iterator[Reference]:

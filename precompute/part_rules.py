@@ -8,7 +8,9 @@ from typing import TypeAlias
 
 from .damping_table import DampingForm
 from .load_tables import Loads
+from .mode_tables import Basis
 from .part_tables import Heading, Material, Support, SystemTable
+from .port_rows import DRIVEN
 from .port_tables import Energy, Pair, Port
 from .toml_table import mistake, nearest, shown
 
@@ -108,6 +110,18 @@ def check_variables(
                 words = f"got {shown(name)} but no base in [loads], expected both"
                 mend = f'write acceleration.{axis}, or add [loads], base = ["{axis}"]'
                 raise mistake(f"{words}; {mend}", *place)
+
+
+def check_motions(ports: Sequence[Port], basis: Basis) -> None:
+    """Polynomials know nothing of ports that are held."""
+    moved = [
+        f"{port.name}.{key}" for port in ports for key in port.inputs if key.split(".")[0] in DRIVEN.values()
+    ]
+    if moved and basis.kind == "polynomial":
+        words = (
+            f'got "polynomial" with the input {shown(moved[0])}, expected a basis in which ports can be held'
+        )
+        raise mistake(f'{words}; write e.g. kind = "craig-bampton"', "basis", "kind")
 
 
 def _own_names(named: Iterable[tuple[str, int, str]]) -> None:

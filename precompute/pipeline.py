@@ -15,7 +15,7 @@ from .arrays import Floats
 from .certificate import Certificate
 from .certificate_report import certificate_files
 from .certification import certificate_of
-from .connection import Connection, connect, damped, interface_of, needs_statics
+from .connection import Connection, connect, damped, drag
 from .dofs import nodal
 from .dominance import dominance
 from .doubts import doubt_ratios, doubt_units
@@ -26,6 +26,7 @@ from .full_part import FullPart, Progress, read_full_part
 from .node_table import asking_for_coordinates
 from .oscillators import oscillators_of
 from .part import Part
+from .part_interface import interface_of, needs_statics
 from .reduced_basis import basis_of
 from .reduction import reduce
 from .residual import residual_flexibility
@@ -44,7 +45,8 @@ def silent(stage: str, fraction: float | None) -> None:
 class Reduction:
     """A reduced model with what it came from.
 
-    full: the model it is of; modes: Φ over all DOFs of it; effective_mass: (3, r) kg in x, y, z; total_mass
+    full: the model it is of; modes: Φ over all DOFs of it; Psi: (n, k), what follows the motions that are
+    prescribed, over all DOFs too; effective_mass: (3, r) kg in x, y, z; total_mass
     in kg; dominance: (r,), NaN for rigid modes; dofs: free degrees of freedom of the full model; certificate:
     what the reduction costs, where it was asked for and there is something to compare.
     """
@@ -52,6 +54,7 @@ class Reduction:
     part: Part
     full: FullPart
     modes: Modes
+    Psi: Floats
     model: ReducedModel
     effective_mass: Floats
     total_mass: float
@@ -86,6 +89,7 @@ def _reduced(
         assert solve is not None  # `_statics` saw it
         residual = residual_flexibility(interface, modes, solve)
     damping = damped(part, connection, modes)
+    moved = interface.moved
     model = reduce(
         part.name,
         part.description or "",
@@ -95,6 +99,7 @@ def _reduced(
         interface,
         residual,
         part.modes.initial,
+        None if moved is None else drag(connection, moved.Psi, modes),
     )
     certificate = None
     if certified and solve is not None:
@@ -106,6 +111,7 @@ def _reduced(
         part,
         connection.full,
         everywhere,
+        np.zeros((T.shape[0], 0)) if moved is None else moved.Psi,
         model,
         effective_mass(system, everywhere.Phi),
         total_mass(system),
@@ -132,7 +138,8 @@ def package(
     files["documentation/index.html"] = table.encode()
     mesh = reduction.full.mesh
     if mesh is not None:
-        shapes = nodal(reduction.full.dofs, reduction.modes.Phi, len(mesh.points))
+        shapes = np.column_stack([reduction.Psi, reduction.modes.Phi])
+        shapes = nodal(reduction.full.dofs, shapes, len(mesh.points))
         files |= write_shape(surface_shape(mesh, shapes))
     return build(reduction.model, path, files)
 

@@ -13,7 +13,13 @@ MotionOf: TypeAlias = Callable[[str, int], csr_array]
 StressOf: TypeAlias = Callable[[str], csr_array]
 """The name of a port → the rows (6, n) of its stress in xx, yy, zz, xy, yz, zx (Pa)."""
 
-_ANGULAR = ("moment", "rotation", "angular_velocity", "angular_acceleration")
+_ANGULAR = (
+    *("moment", "angular_motion", "reaction_moment"),
+    *("rotation", "angular_velocity", "angular_acceleration"),
+)
+
+DRIVEN = {"reaction": "motion", "reaction_moment": "angular_motion"}
+"""The input that each reaction of a port answers to."""
 
 
 def direction_of(key: str) -> int:

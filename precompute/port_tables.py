@@ -8,18 +8,20 @@ from fmu_src.runtime.kinds import ORDINARY_INPUTS, ORDINARY_OUTPUTS
 
 from .at_table import WHERE, At
 from .part_values import NAME, Name, distinct
+from .port_rows import DRIVEN
 from .toml_table import Table, mistake, not_empty, one_of, shown
 
 RELATIVE_KINDS = (
     *("displacement", "velocity", "acceleration"),
     *("rotation", "angular_velocity", "angular_acceleration"),
 )
-OUTPUTS = tuple(output for output in ORDINARY_OUTPUTS if not output.startswith("reaction."))
+OUTPUTS = tuple(ORDINARY_OUTPUTS)
 RELATIVE_OUTPUTS = tuple(output for output in OUTPUTS if output.split(".")[0] in RELATIVE_KINDS)
 
 Input: TypeAlias = Annotated[str, one_of(tuple(ORDINARY_INPUTS))]
 Output: TypeAlias = Annotated[str, one_of(OUTPUTS)]
 RelativeOutput: TypeAlias = Annotated[str, one_of(RELATIVE_OUTPUTS)]
+PUSHED = {"force": "motion", "moment": "angular_motion"}
 _RELATIVE = ", ".join(RELATIVE_KINDS)
 
 
@@ -30,13 +32,14 @@ class Port(Table):
     at: At = Field(description=WHERE, examples=["at = { point = [1.0, 0.0, 0.0] }"])
     inputs: Annotated[tuple[Input, ...], AfterValidator(distinct)] = Field(
         default=(),
-        description="a list of force and moment, each with .x, .y or .z, and pressure, none twice",
+        description="a list of force, moment, motion and angular_motion, each with .x, .y or .z, and "
+        "pressure, none twice",
         examples=['inputs = ["force.z"]'],
     )
     outputs: Annotated[tuple[Output, ...], AfterValidator(distinct)] = Field(
         default=(),
-        description=f"a list of {_RELATIVE}, absolute_acceleration, each with .x, .y or .z, and stress with "
-        ".xx, .yy, .zz, .xy, .yz, .zx or .mises, none twice",
+        description=f"a list of {_RELATIVE}, absolute_acceleration, reaction, reaction_moment, each with .x, "
+        ".y or .z, and stress with .xx, .yy, .zz, .xy, .yz, .zx or .mises, none twice",
         examples=['outputs = ["displacement.z"]'],
     )
     weights: Literal["area", "equal"] = Field(
@@ -45,6 +48,27 @@ class Port(Table):
     kind: Literal["average", "rigid"] = Field(
         default="average", description='"average" or "rigid"', examples=['kind = "rigid"']
     )
+
+    @model_validator(mode="after")
+    def _motions(self) -> Self:
+        """In each direction a port is pushed or moved; what moves it feels a reaction."""
+        for k, key in enumerate(self.inputs):
+            kind, _, axis = key.partition(".")
+            if kind in PUSHED and (moved := f"{PUSHED[kind]}.{axis}") in self.inputs:
+                words = (
+                    f"got {shown(key)} beside {shown(moved)}, expected one of the two: a port is pushed or"
+                )
+                raise mistake(f"{words} moved; remove one", "inputs", k)
+        for k, key in enumerate(self.outputs):
+            kind, _, axis = key.partition(".")
+            if kind in DRIVEN and (moved := f"{DRIVEN[kind]}.{axis}") not in self.inputs:
+                words = (
+                    f"got {shown(key)} without the input {shown(moved)}, expected both: what prescribes the"
+                )
+                raise mistake(
+                    f"{words} motion feels the reaction; add {shown(moved)} to inputs", "outputs", k
+                )
+        return self
 
     @model_validator(mode="after")
     def _rigid_ports(self) -> Self:

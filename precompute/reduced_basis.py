@@ -60,7 +60,7 @@ def _chosen(
         part.basis,
         solve,
         interface,
-        connection.held.T,
+        connection.held,
         connection.full.dofs,
         connection.full.nodes.points,
         count=count,

@@ -1,33 +1,19 @@
 """Ports whose nodes move as one rigid body: u = T û."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.sparse import csr_array, hstack, identity
+from scipy.sparse import csr_array, hstack
 
 from .arrays import Floats, Ints
+from .constrained import Constrained, unconstrained
 from .dofs import DIRECTIONS, Dofs
 from .errors import PartError
 from .port_motion import arms, smallest, tensor
 from .ports import PortNodes
-from .projection import projected
+from .projection import inverse, projected
 from .system import System
-
-
-@dataclass(frozen=True)
-class Constrained:
-    """TᵀMT, TᵀDT, TᵀKT [2.21] with u = T û: the DOFs of no rigid port, then the rigid motions of each.
-
-    system: (n̂, n̂); fixed: the held DOFs among û; T: (n, n̂), its columns orthogonal; origin: (n̂,), the
-    DOF of the full model that each is, of a rigid port's the first one.
-    """
-
-    system: System
-    fixed: Ints
-    T: csr_array
-    origin: Ints
 
 
 def constrain(system: System, fixed: Ints, dofs: Dofs, rigid_ports: Sequence[PortNodes]) -> Constrained:
@@ -41,7 +27,7 @@ def constrain(system: System, fixed: Ints, dofs: Dofs, rigid_ports: Sequence[Por
     """
     n = len(dofs.node)
     if not rigid_ports:
-        return Constrained(system, fixed, csr_array(identity(n, format="csr")), np.arange(n))
+        return unconstrained(system, fixed, np.arange(n))
     _refuse_shared_nodes(rigid_ports)
     places = [_port_dofs(port, fixed, dofs) for port in rigid_ports]
     own = np.setdiff1d(np.arange(n), np.concatenate(places))
@@ -55,7 +41,10 @@ def constrain(system: System, fixed: Ints, dofs: Dofs, rigid_ports: Sequence[Por
         projected(system, T, bodies),
         np.searchsorted(own, np.unique(fixed)),
         T,
+        inverse(T),
         np.concatenate([own, *first]),
+        csr_array((0, n)),
+        csr_array((n, 0)),
     )
 
 

@@ -1,4 +1,4 @@
-"""The deformed shape p' = p + Uq [2.19, 2.20]: the part's surface and mode shapes, kept in the FMU."""
+"""The deformed shape p' = p + Ux [2.19, 2.20]: the part's surface and its shapes, kept in the FMU."""
 
 import io
 import json
@@ -22,7 +22,10 @@ FAMILIES = ("tri3", "tri6", "quad4", "quad8")
 
 @dataclass(frozen=True)
 class Shape:
-    """points: (n, 3) m, surface nodes; faces: family → (f, k) rows of them; Phi: (n, 3, r), kg^-1/2."""
+    """points: (n, 3) m, surface nodes; faces: family → (f, k) rows of them; Phi: (n, 3, k + r).
+
+    The k first shapes are those of prescribed motions, m per m or rad, the others mode shapes in kg^-1/2.
+    """
 
     points: Floats
     faces: Mapping[str, Ints]
@@ -30,7 +33,7 @@ class Shape:
 
 
 def surface_shape(mesh: Mesh, Phi: Floats) -> Shape:
-    """The exterior faces of the mesh with the mode shapes at their nodes; Phi: (n, 3, r)."""
+    """The exterior faces of the mesh with the shapes at their nodes; Phi: (n, 3, k + r)."""
     faces = exterior_faces(mesh)
     nodes = np.unique(np.concatenate([f.ravel() for f in faces.values()]))
     place = np.zeros(len(mesh.points), dtype=np.int64)
@@ -43,7 +46,7 @@ def surface_shape(mesh: Mesh, Phi: Floats) -> Shape:
 
 
 def deformed_points(shape: Shape, q: Floats, scale: float = 1.0) -> Floats:
-    """p' = p + s·Uq [2.19, 2.20] for modal amplitudes q (r,); scale s = 1 is the true shape; (n, 3) m."""
+    """p' = p + scale·Ux [2.19, 2.20] for coordinates x = [s; q] (k + r,); 1 is the true shape; (n, 3) m."""
     return shape.points + scale * (shape.Phi.astype(np.float64) @ q)
 
 
@@ -56,7 +59,8 @@ def write_shape(shape: Shape) -> dict[str, bytes]:
     }
     about = {
         "points": "surface nodes, (n, 3) m",
-        "Phi": "mode shapes at them, (n, 3, r) kg^-1/2: displacement = Phi @ modes.amplitude",
+        "Phi": "shapes at them, (n, 3, k + r): displacement = Phi @ x, x the k prescribed displacements and "
+        "rotations of ports, then modes.amplitude",
         "faces": dict.fromkeys(shape.faces, "node numbers from 0, VTK order"),
     }
     files = {f"{FOLDER}/{name}.npy": _npy(array) for name, array in arrays.items()}

@@ -59,9 +59,9 @@ def reaction_shape(
 
     With such a ψ the reaction R = Σ (M ü + D u̇ + K u − F) over these DOFs is
     R = ψᵀM ü + ψᵀD u̇ + ψᵀK u − ψᵀF,
-    because M ü + D u̇ + K u − F vanishes at the free DOFs, or does no work on ψ, in which ports whose motion is
-    prescribed are at rest. Of ψᵀK u only such motions are left (u vanishes at the supports): the elastic
-    forces need no sum over the modes, and the static reaction is exact with any number of them.
+    because M ü + D u̇ + K u − F vanishes at the free DOFs, or does no work on ψ, in which ports whose motion
+    is prescribed rest. Of ψᵀK u only such motions are left (u vanishes at the supports): the elastic forces
+    need no sum over the modes, and the static reaction is exact with any number of them.
     Where the supports leave rigid modes ψ is fixed up to these, and any of them gives the same R.
     Source: Craig & Kurdila, Fundamentals of Structural Dynamics, 2nd ed., 17.3 (constraint modes).
     Raises PartError: the support holds nothing in that direction.

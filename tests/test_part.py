@@ -186,7 +186,31 @@ MISTAKES = [  # what is replaced, by what, the beginning of the line, something 
     ('["force.y", "force.z"]', '"force.z"', 'port[1].inputs: got "force.z"', "a list of"),
     ('"displacement.y"', '"stress.yx"', 'port[1].outputs[1]: got "stress.yx"', "displacement, velocity,"),
     ('"displacement.y"', '"stress.Mises"', 'port[1].outputs[1]: got "str', "did you mean stress.mises?"),
-    ('"displacement.y"', '"reaction.y"', 'port[1].outputs[1]: got "reaction.y"', "absolute_acceleration"),
+    (
+        '"displacement.y"',
+        '"reaction.y"',
+        'port[1].outputs[1]: got "reaction.y" without the',
+        'add "motion.y" to inputs',
+    ),
+    (
+        '"displacement.y"',
+        '"reaction_moment.x"',
+        'port[1].outputs[1]: got "reaction_moment.x" without the input "angular_motion.x"',
+        "expected both",
+    ),
+    ('"force.y"', '"motion.z"', 'port[1].inputs[2]: got "force.z" beside "motion.z"', "remove one"),
+    (
+        '"force.y", "force.z"',
+        '"angular_motion.x", "moment.y", "moment.x"',
+        'port[1].inputs[3]: got "moment.x" beside "angular_motion.x"',
+        "expected one of the two",
+    ),
+    (
+        '"force.y", "force.z"]',
+        '"motion.y"]\n[basis]\nkind = "polynomial"\norder = 2\n[[port]]\nname = "a"\nat = "b"\ninputs = []',
+        'basis.kind: got "polynomial" with the input "tip.motion.y"',
+        '"craig-bampton"',
+    ),
     (
         'inputs = ["force.y", "force.z"]\noutputs = ["displacement.y", "acceleration.z"]',
         "inputs = []",
