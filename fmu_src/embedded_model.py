@@ -22,12 +22,15 @@ def embedded_model(model: ReducedModel, guid: str) -> str:
 static const char embedded_guid[] = "{guid}";
 
 {arrays}
+{_array("size_t embedded_motions", map(str, model.motions))}
 {_array("char *const embedded_inputs", _texts(model.inputs))}
 {_array("char *const embedded_outputs", _texts(model.outputs))}
 {_array("Law embedded_laws", laws)}
 static const ReducedModel embedded_model = {{
     .name = "{model.name}",
-    .r = {len(model.lam)},
+    .k = {model.k},
+    .r = {model.r},
+    .n = {len(model.lam)},
     .m = {len(model.inputs)},
     .p = {len(model.outputs)},
     .s = {len(model.C)},
@@ -39,6 +42,9 @@ static const ReducedModel embedded_model = {{
     .C = embedded_C,
     .R = embedded_R,
     .R_in = embedded_R_in,
+    .M_s = embedded_M_s,
+    .K_s = embedded_K_s,
+    .motions = embedded_motions,
     .inputs = embedded_inputs,
     .outputs = embedded_outputs,
     .laws = embedded_laws,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fmu_src.runtime.kinds import ROWS, outputs_of
-from fmu_src.runtime.model import Port, ReducedModel, row_starts
+from fmu_src.runtime.model import Floats, Port, ReducedModel, row_starts
 
 
 def _model(given: dict[str, Any]) -> ReducedModel:
@@ -108,6 +108,20 @@ def everything(name: str = "everything", *, coupled: bool = True, **changes: obj
         "residual": True,
     }
     return _model({**given, **changes})
+
+
+def legal(ports: tuple[Port, ...], lam: Floats, B: Floats, C: Floats) -> dict[str, Floats]:
+    """These arrays with what a model must hold for prescribed motions and in the third rows of reactions."""
+    keys = [key for port in ports for key in port.inputs]
+    motions = [place for place, key in enumerate(keys) if "motion" in key]
+    laws = [outputs_of(port.name)[key].law for port in ports for key in port.outputs]
+    lam, B, C, k = lam.copy(), B.copy(), C.copy(), len(motions)
+    lam[:k], B[:k] = 0.0, 0.0
+    B[range(k), motions] = 1.0
+    for first, law in zip(row_starts(laws), laws, strict=False):
+        if law == "reaction":
+            C[first + 2, k:] = 0.0
+    return {"lam": lam, "B": B, "C": C}
 
 
 LAWS = tuple(outputs_of(port.name)[key].law for port in EVERYTHING for key in port.outputs)

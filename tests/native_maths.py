@@ -11,7 +11,7 @@ from fmu_src.runtime.coupled import CoupledPropagator
 from fmu_src.runtime.model import Floats
 from fmu_src.runtime.propagator import Propagator
 
-COEFFICIENTS = ("E11", "E12", "E21", "E22", "G0", "G1", "G2")
+COEFFICIENTS = ("E11", "E12", "E21", "E22", "G0", "G1", "G2", "G3")
 FAST = (
     "-O3",
     "-fno-math-errno",
@@ -58,6 +58,19 @@ class Kernels(ctypes.Structure):
             ),
         ),
         (
+            "step_cubic",
+            ctypes.CFUNCTYPE(
+                c_double,
+                POINTER(CPropagator),
+                Doubles,
+                Doubles,
+                POINTER(Doubles),
+                Doubles,
+                Doubles,
+                c_size_t,
+            ),
+        ),
+        (
             "step_held",
             ctypes.CFUNCTYPE(
                 c_double, POINTER(CPropagator), Doubles, Doubles, Doubles, Doubles, Doubles, c_size_t
@@ -77,8 +90,9 @@ class Run(ctypes.Structure):
     """Run of native/maths.c"""
 
     _fields_ = (
-        *((name, c_size_t) for name in ("r", "m", "p", "s", "steps")),
-        *((name, c_void_p) for name in ("lam", "D_rest", "B", "C", "R", "R_in", "u", "h", "laws", "active")),
+        *((name, c_size_t) for name in ("k", "n", "m", "p", "s", "steps")),
+        *((name, c_void_p) for name in ("lam", "D_rest", "B", "C", "R", "R_in", "M_s", "K_s")),
+        *((name, c_void_p) for name in ("start", "u", "h", "motions", "laws", "active")),
         ("alpha", c_double),
         ("beta", c_double),
         ("initial_static", c_int),
@@ -105,7 +119,7 @@ def maths() -> ctypes.CDLL:
 
 
 def native_propagator(lam: Floats, d: Floats, h: float) -> Propagator:
-    rows = np.full((7, len(lam)), np.nan)
+    rows = np.full((8, len(lam)), np.nan)
     lam, d = np.ascontiguousarray(lam), np.ascontiguousarray(d)
     maths().coefficients(lam.ctypes.data, d.ctypes.data, len(lam), h, rows.ctypes.data)
     return Propagator(h, *rows)
@@ -114,12 +128,12 @@ def native_propagator(lam: Floats, d: Floats, h: float) -> Propagator:
 def native_coupled(lam: Floats, D: Floats, h: float, kernels: Kernels | None = None) -> CoupledPropagator:
     """In the form of the Python twin: E11 = I − G₀Λ, E21 = −E12 Λ, E22 = I + N."""
     g = len(lam)
-    found = np.full((5, g, g), np.nan)
+    found = np.full((6, g, g), np.nan)
     lam, D = np.ascontiguousarray(lam), np.ascontiguousarray(D)
     table = ctypes.byref(kernels or kernel_tables()[-1])
     maths().coupled_coefficients_of(lam.ctypes.data, D.ctypes.data, g, h, table, found.ctypes.data)
-    E12, N, G0, G1, G2 = found
-    return CoupledPropagator(np.eye(g) - G0 * lam, E12, -E12 * lam, np.eye(g) + N, G0, G1, G2)
+    E12, N, *G = found
+    return CoupledPropagator(np.eye(g) - G[0] * lam, E12, -E12 * lam, np.eye(g) + N, *G)
 
 
 def kernel_tables() -> list[Kernels]:

@@ -10,7 +10,7 @@ from fmu_src.runtime.kinds import Law
 from fmu_src.runtime.model import Floats, ReducedModel, row_starts
 
 Vector = Any  # of mpmath numbers
-Motion = Callable[[int], Vector]  # the derivative of this order of q or u
+Motion = Callable[[int], Vector]  # the derivative of this order of x or u
 
 
 def derivatives_of(rows: Floats, t: mp.mpf) -> Motion:
@@ -43,11 +43,17 @@ def value(model: ReducedModel, law: Law, first: int, q: Motion, u: Motion) -> mp
         case "acceleration":
             return row(0, q(2), u(0))
         case "reaction":
-            return row(0, q(2) + mp.mpf(model.alpha) * q(1), u(0)) + row(1, q(1))
+            alpha, beta = mp.mpf(model.alpha), mp.mpf(model.beta)
+            inertia = row(0, q(2) + alpha * q(1), u(0))
+            return inertia + row(1, q(1)) + row(2, q(0) + beta * q(1))
         case "kinetic":
-            return q(1) @ q(1) / 2
+            P = -model.B[model.k :, model.motions]
+            mass = np.block([[model.M_s, P.T], [P, np.eye(model.r)]])
+            return q(1) @ exactly(mass) @ q(1) / 2
         case "strain":
-            return (q(0) @ (exactly(model.lam) * q(0)) + u(0) @ exactly(model.R_in) @ u(0)) / 2
+            K = np.diag(model.lam)
+            K[: model.k, : model.k] = model.K_s
+            return (q(0) @ exactly(K) @ q(0) + u(0) @ exactly(model.R_in) @ u(0)) / 2
         case "mises":
             xx, yy, zz, xy, yz, zx = (row(k, q(0), u(0)) for k in range(6))
             mean = (xx + yy + zz) / 3
@@ -56,7 +62,7 @@ def value(model: ReducedModel, law: Law, first: int, q: Motion, u: Motion) -> mp
 
 
 def measured(model: ReducedModel, q: Floats, u: Floats) -> Floats:
-    """y, ẏ, ÿ (3, p) of the motion with these derivatives: q (5, r), u (3, m), those of u beyond being 0."""
+    """y, ẏ, ÿ (3, p) of the motion with these derivatives: q (5, n), u (3, m), those of u beyond being 0."""
     starts = row_starts(model.laws)
     rows = []
     with mp.workdps(40):

@@ -41,6 +41,9 @@ LAWS: tuple[Law, ...] = (
 )  # of model.h
 
 
+ARRAYS = ("D_rest", "B", "C", "R", "R_in", "M_s", "K_s")
+
+
 class Refused(Exception):
     """The reason that C gave."""
 
@@ -84,10 +87,11 @@ class Files(ctypes.Structure):
 class CModel(ctypes.Structure):
     _fields_ = (
         ("name", ctypes.c_char_p),
-        *((key, ctypes.c_size_t) for key in ("r", "m", "p", "s")),
+        *((key, ctypes.c_size_t) for key in ("k", "r", "n", "m", "p", "s")),
         ("lam", ctypes.POINTER(ctypes.c_double)),
         *((key, ctypes.c_double) for key in ("alpha", "beta")),
-        *((key, ctypes.POINTER(ctypes.c_double)) for key in ("D_rest", "B", "C", "R", "R_in")),
+        *((key, ctypes.POINTER(ctypes.c_double)) for key in ARRAYS),
+        ("motions", ctypes.POINTER(ctypes.c_size_t)),
         *((key, ctypes.POINTER(ctypes.c_char_p)) for key in ("inputs", "outputs")),
         ("laws", ctypes.POINTER(ctypes.c_int)),
         ("residual", ctypes.c_bool),
@@ -108,6 +112,9 @@ class NativeModel:
     C: Floats
     R: Floats
     R_in: Floats
+    M_s: Floats
+    K_s: Floats
+    motions: tuple[int, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     laws: tuple[Law, ...]
@@ -221,17 +228,21 @@ def _copy(model: CModel) -> NativeModel:
             return np.empty(shape)
         return np.ctypeslib.as_array(values, shape).copy()
 
-    r, m, p, s = model.r, model.m, model.p, model.s
+    k, n, m, p, s = model.k, model.n, model.m, model.p, model.s
+    assert n == k + model.r
     return NativeModel(
         name=model.name.decode(),
-        lam=array(model.lam, r),
+        lam=array(model.lam, n),
         alpha=model.alpha,
         beta=model.beta,
-        D_rest=array(model.D_rest, r, r),
-        B=array(model.B, r, m),
-        C=array(model.C, s, r),
+        D_rest=array(model.D_rest, n, n),
+        B=array(model.B, n, m),
+        C=array(model.C, s, n),
         R=array(model.R, s, m),
         R_in=array(model.R_in, m, m),
+        M_s=array(model.M_s, k, k),
+        K_s=array(model.K_s, k, k),
+        motions=tuple(model.motions[j] for j in range(k)),
         inputs=tuple(model.inputs[k].decode() for k in range(m)),
         outputs=tuple(model.outputs[k].decode() for k in range(p)),
         laws=tuple(LAWS[model.laws[k]] for k in range(p)),

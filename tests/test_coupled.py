@@ -1,4 +1,4 @@
-"""The step of modes that damping couples, against the exponential of the full state matrix in 40 digits."""
+"""The step of modes that damping couples, against the exponential of the full state matrix in 80 digits."""
 
 import mpmath as mp
 import numpy as np
@@ -16,15 +16,16 @@ OMEGA = 500.0  # rad/s, the highest of these systems
 
 
 def exact(lam: Floats, D: Floats, h: float) -> dict[str, Floats]:
-    """exp of [[0, I, 0], [−Λ, −D̃, I], [0, 0, shift]] h; its last columns answer f, ḟ, f̈."""
+    """exp of [[0, I, 0], [−Λ, −D̃, I], [0, 0, shift]] h; its last columns answer f, ḟ, f̈, f⃛."""
     g = len(lam)
-    size = 5 * g
-    with mp.workdps(40):
+    size = 6 * g
+    with mp.workdps(80):  # G₃ of the smallest step is 1e-61
         A = mp.zeros(size)
         for i in range(g):
             A[i, g + i] = 1
             A[g + i, i] = -mp.mpf(float(lam[i]))
             A[g + i, 2 * g + i] = A[2 * g + i, 3 * g + i] = A[3 * g + i, 4 * g + i] = 1
+            A[4 * g + i, 5 * g + i] = 1
             for j in range(g):
                 A[g + i, g + j] = -mp.mpf(float(D[i, j]))
         X = mp.expm(A * mp.mpf(h))
@@ -37,7 +38,8 @@ def exact(lam: Floats, D: Floats, h: float) -> dict[str, Floats]:
         "E22": v[:, g : 2 * g],
         "G0": q[:, 2 * g : 3 * g],
         "G1": q[:, 3 * g : 4 * g],
-        "G2": q[:, 4 * g :],
+        "G2": q[:, 4 * g : 5 * g],
+        "G3": q[:, 5 * g :],
     }
 
 
@@ -96,7 +98,7 @@ def test_modes_without_coupling_move_as_they_do_alone() -> None:
     lam, d = np.array([0.0, 0.0, 30.0, 2.5e5, 400.0]), np.array([0.0, 2.0, 1.0, 3e3, 40.0])
     for h in (1e-6, 1e-3, 0.5):
         together, alone = coupled_propagator(lam, np.diag(d), h), propagator(lam, d, h)
-        for key in ("E11", "E12", "E22", "G0", "G1", "G2"):
+        for key in ("E11", "E12", "E22", "G0", "G1", "G2", "G3"):
             found, expected = getattr(together, key), np.diag(getattr(alone, key))
             # ‖A‖h is up to 2000 here
             assert np.abs(found - expected).max() < 1e-12 * np.abs(expected).max()
@@ -110,19 +112,22 @@ def test_modes_without_coupling_move_as_they_do_alone() -> None:
     seed=st.integers(0, 99),
 )
 def test_semigroup(exponents: list[float], c: float, h: float, seed: int) -> None:
-    """Two steps of h/2 are one of h, under one polynomial force; a wrong G₂ would show."""
+    """Two steps of h/2 are one of h, under one polynomial force; a wrong G₃ would show."""
     lam, size = np.sort(10.0 ** np.array(exponents)), 10.0**h
     D = dashpot(len(lam), 10.0**c, seed)
     rng = np.random.default_rng(seed)
-    q, v, f, f1, f2 = rng.standard_normal((5, len(lam)))
+    q, v, f, f1, f2, f3 = rng.standard_normal((6, len(lam)))
     half, whole = coupled_propagator(lam, D, size / 2), coupled_propagator(lam, D, size)
-    middle = coupled_step(half, State(q, v), f, f1, f2)
+    middle = coupled_step(half, State(q, v), f, f1, f2, f3)
     s = size / 2
-    end = coupled_step(half, middle, f + f1 * s + f2 * s * s / 2, f1 + f2 * s, f2)
-    once = coupled_step(whole, State(q, v), f, f1, f2)
+    there = (f + s * f1 + s**2 / 2 * f2 + s**3 / 6 * f3, f1 + s * f2 + s**2 / 2 * f3, f2 + s * f3, f3)
+    end = coupled_step(half, middle, *there)
+    once = coupled_step(whole, State(q, v), f, f1, f2, f3)
     stiff = max(np.sqrt(lam.max()), 10.0**c) * size
     scale = (
-        np.abs(once.q).max() + np.abs(q).max() + size * (np.abs(v).max() + size * np.abs([f, f1, f2]).max())
+        np.abs(once.q).max()
+        + np.abs(q).max()
+        + size * (np.abs(v).max() + size * np.abs([f, f1, f2, f3]).max())
     )
     assert np.abs(end.q - once.q).max() < 1e-13 * (1 + stiff) * scale
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Any
 
 import mpmath as mp
@@ -21,30 +22,30 @@ PROMISE = 2e-15
 
 
 def exact(lam: Floats, D: Floats, h: float) -> Mapping[str, Any]:
-    """exp of [[0, I, 0], [−Λ, −D̃, I], [0, 0, shift]] h; its last columns answer f, ḟ, f̈."""
+    """exp of [[0, I, 0], [−Λ, −D̃, I], [0, 0, shift]] h; its last columns answer f, ḟ, f̈, f⃛."""
     g = len(lam)
-    A = np.zeros((5 * g, 5 * g))
+    A = np.zeros((6 * g, 6 * g))
     A[:g, g : 2 * g] = A[g : 2 * g, 2 * g : 3 * g] = np.eye(g)
-    A[2 * g : 4 * g, 3 * g :] = np.eye(2 * g)
+    A[2 * g : 5 * g, 3 * g :] = np.eye(3 * g)
     A[g : 2 * g, :g], A[g : 2 * g, g : 2 * g] = -np.diag(lam), -D
     halvings = max(0, math.ceil(math.log2(np.abs(A).sum(axis=1).max() * h + 1))) + 4
     with mp.workdps(60 + halvings):  # a digit is lost in three doublings
         X = mp.matrix(A.tolist()) * mp.mpf(h) / 2**halvings
-        term = total = mp.eye(5 * g)
+        term = total = mp.eye(6 * g)
         for k in range(1, 50):  # 1/16⁵⁰/50! is 1e-125
             term = term * X / k
             total += term
         for _ in range(halvings):
             total = total * total
-    E = np.array([[total[i, j] for j in range(5 * g)] for i in range(2 * g)], dtype=object)
+    E = np.array([[total[i, j] for j in range(6 * g)] for i in range(2 * g)], dtype=object)
     q, v = np.vsplit(E, 2)
-    columns = [slice(k * g, (k + 1) * g) for k in range(5)]
+    columns = [slice(k * g, (k + 1) * g) for k in range(6)]
     return {
         "E11": q[:, columns[0]],
         "E12": q[:, columns[1]],
         "E21": v[:, columns[0]],
         "E22": v[:, columns[1]],
-        **{f"G{k}": q[:, columns[2 + k]] for k in range(3)},
+        **{f"G{k}": q[:, columns[2 + k]] for k in range(4)},
     }
 
 
@@ -57,7 +58,8 @@ def errors(
     scale: dict[str, Any] = {"E11": np.divide.outer(w, w), "E12": w[:, None], "E21": 1 / w, "E22": 1.0}
     around = [native_coupled(lam, D, h * part) for part in (0.5, 0.7, 1.0)]
     scale |= {
-        key: 1 / max(np.abs(getattr(other, key)).max() for other in around) for key in ("G0", "G1", "G2")
+        key: 1 / max(np.abs(getattr(other, key)).max() for other in around)
+        for key in ("G0", "G1", "G2", "G3")
     }
     found = {}
     for key, value in true.items():
@@ -152,14 +154,14 @@ def test_any_number_of_modes(g: int) -> None:
     D = dashpot(g, 30.0) + dashpot(g, 3.0)
     for h in (1e-7, 1e-3, 0.1):
         found, python = native_coupled(lam, D, h), coupled_propagator(lam, D, h)
-        for key in ("E11", "E12", "E21", "E22", "G0", "G1", "G2"):
+        for key in ("E11", "E12", "E21", "E22", "G0", "G1", "G2", "G3"):
             difference = np.abs(getattr(found, key) - getattr(python, key)).max()
             assert difference <= 1e-12 * np.abs(getattr(python, key)).max() + 1e-15 * (key == "E11"), key
 
 
 def test_symmetric_to_the_last_bit() -> None:
     P = native_coupled(LAM, dashpot(4, 5e3), 0.3)
-    for array in (P.E12, P.E22, P.G0, P.G1, P.G2):
+    for array in (P.E12, P.E22, P.G0, P.G1, P.G2, P.G3):
         np.testing.assert_array_equal(array, array.T)
 
 
@@ -185,15 +187,15 @@ def test_semigroup(system: tuple[Floats, Floats, float]) -> None:
     g, half, s = len(lam), h / 2, np.maximum(np.sqrt(lam), 1 / h)
     once, twice = native_coupled(lam, D, h), native_coupled(lam, D, half)
     E = np.block([[twice.E11, twice.E12], [twice.E21, twice.E22]])
-    G0, G1, G2 = (
-        np.vstack(pair) for pair in ((twice.G0, twice.E12), (twice.G1, twice.G0), (twice.G2, twice.G1))
-    )
+    columns = (twice.E12, twice.G0, twice.G1, twice.G2, twice.G3)
+    G0, G1, G2, G3 = (np.vstack([G, G_dot]) for G_dot, G in pairwise(columns))
     ends = {
         "E12": (E @ E)[:g, g:] * s[:, None],
         "E22": (E @ E)[g:, g:],
         "G0": (E @ G0 + G0)[:g],
         "G1": (E @ G1 + G1 + half * G0)[:g],
         "G2": (E @ G2 + G2 + half * G1 + half**2 / 2 * G0)[:g],
+        "G3": (E @ G3 + G3 + half * G2 + half**2 / 2 * G1 + half**3 / 6 * G0)[:g],
     }
     for key, value in ends.items():
         expected = getattr(once, key) * (s[:, None] if key == "E12" else 1.0)

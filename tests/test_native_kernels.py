@@ -52,38 +52,41 @@ def test_add(kernels: Kernels, n: int) -> None:
 
 
 @pytest.mark.parametrize("n", LENGTHS)
-@pytest.mark.parametrize("held", [True, False])
-def test_step_kernels(kernels: Kernels, n: int, held: bool) -> None:
-    """[q, v] of every mode, and |q|² + |v|², against numpy: up to five products summed, a rounding each."""
+@pytest.mark.parametrize("degree", [0, 2, 3])
+def test_step_kernels(kernels: Kernels, n: int, degree: int) -> None:
+    """[q, v] of every mode, and |q|² + |v|², against numpy: up to six products summed, a rounding each."""
     rng = np.random.default_rng(n)
-    E11, E12, E21, E22, G0, G1, G2 = rows = aligned(rng.standard_normal((7, n)))
-    q, v, f, f_dot, f_ddot = given_rows = aligned(rng.standard_normal((5, n)))
+    E11, E12, E21, E22, G0, G1, G2, G3 = rows = aligned(rng.standard_normal((8, n)))
+    given_rows = aligned(rng.standard_normal((6, n)))
     after = aligned(np.full((2, n), np.nan))
     P = CPropagator(0.1, *(pointer(row) for row in rows))
-    if held:
-        size = kernels.step_held(P, pointer(q), pointer(v), pointer(f), *map(pointer, after), n)
-        f_dot, f_ddot = np.zeros((2, n))
+    q, v, f = map(pointer, given_rows[:3])
+    if degree == 0:
+        size = kernels.step_held(P, q, v, f, *map(pointer, after), n)
     else:
-        size = kernels.step(P, pointer(q), pointer(v), pointers(given_rows[2:]), *map(pointer, after), n)
-    for found, factors in zip(after, ((E11, E12, G0, G1, G2), (E21, E22, E12, G0, G1)), strict=True):
-        products = np.array(factors) * [q, v, f, f_dot, f_ddot]
+        move = kernels.step if degree == 2 else kernels.step_cubic
+        size = move(P, q, v, pointers(given_rows[2:]), *map(pointer, after), n)
+    terms = 3 + degree
+    for found, factors in zip(after, ((E11, E12, G0, G1, G2, G3), (E21, E22, E12, G0, G1, G2)), strict=True):
+        products = np.array(factors[:terms]) * given_rows[:terms]
         assert (np.abs(found - products.sum(axis=0)) <= 8 * EPS * np.abs(products).sum(axis=0)).all()
     assert size == pytest.approx((after**2).sum(), rel=1e-14)
 
 
-@pytest.mark.parametrize("held", [True, False])
-def test_what_is_next_to_nothing_becomes_nothing(kernels: Kernels, held: bool) -> None:
+@pytest.mark.parametrize("degree", [0, 2, 3])
+def test_what_is_next_to_nothing_becomes_nothing(kernels: Kernels, degree: int) -> None:
     """Neither a subnormal number nor one that soon would be; larger ones and not-a-number are left alone."""
-    rows = aligned(np.zeros((7, LANES)))
+    rows = aligned(np.zeros((8, LANES)))
     rows[0] = rows[3] = 1.0  # E11, E22
     motion = np.array([5e-324, -5e-324, 9e-141, -9e-141, 1.1e-140, -1.1e-140, np.nan, 1.0])
-    q, v, *forces = given_rows = aligned(np.vstack([motion, -motion, np.zeros((3, LANES))]))
+    q, v, *forces = given_rows = aligned(np.vstack([motion, -motion, np.zeros((4, LANES))]))
     after = aligned(np.full((2, LANES), np.nan))
     P = CPropagator(0.1, *(pointer(row) for row in rows))
-    if held:
+    if degree == 0:
         kernels.step_held(P, pointer(q), pointer(v), pointer(forces[0]), *map(pointer, after), LANES)
     else:
-        kernels.step(P, pointer(q), pointer(v), pointers(given_rows[2:]), *map(pointer, after), LANES)
+        move = kernels.step if degree == 2 else kernels.step_cubic
+        move(P, pointer(q), pointer(v), pointers(given_rows[2:]), *map(pointer, after), LANES)
     left = np.where(np.arange(LANES) < 4, 0.0, motion)
     np.testing.assert_array_equal(after, [left, -left])
 

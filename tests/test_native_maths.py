@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from examples import everything
+from driven import part, reduced
+from examples import everything, legal
 from native_maths import Run, maths, native_propagator
 from native_outputs import measured
 from native_reader import LAWS
@@ -20,6 +21,7 @@ from fmu_src.runtime.model import Floats, ReducedModel
 from fmu_src.runtime.outputs import feedthrough, rows_by_law
 from fmu_src.runtime.outputs import outputs as measure
 from fmu_src.runtime.propagator import propagator
+from fmu_src.runtime.resources import ARRAYS
 from fmu_src.runtime.step import State, at_rest, coupled_step, keep_modes, static_solution, step
 
 EPS = np.finfo(float).eps
@@ -65,7 +67,7 @@ def test_an_enormous_step_is_right_or_not_a_number(twin: Any, lam: float, d: flo
 
 @dataclass(frozen=True)
 class Motion:
-    """q … q⃜ (1 + steps, 5, r) and y, ẏ, ÿ (1 + steps, 3, p) before the first step and after each."""
+    """x … x⃜ (1 + steps, 5, n) and y, ẏ, ÿ (1 + steps, 3, p) before the first step and after each."""
 
     derivatives: Floats
     outputs: Floats
@@ -74,13 +76,15 @@ class Motion:
 def run_file(model: ReducedModel, steps: int, *, held: bool) -> dict[str, Any]:
     """The arrays of a run, as they stand in an .npz file; every tenth step other modes are active."""
     rng = np.random.default_rng(4)
-    r, m = model.B.shape
-    arrays = {key: getattr(model, key) for key in ("lam", "D_rest", "B", "C", "R", "R_in")}
+    m, k, r = len(model.inputs), model.k, model.r
+    arrays = {key: getattr(model, key) for key in ARRAYS}
     h = 10.0 ** rng.uniform(-4, 0, steps)
     h[1::3] = 0.02  # kept coefficients too
-    active = np.repeat([r, *rng.integers(1, r + 1, steps // 10 - 2), r], 10)
+    active = np.repeat(k + np.array([r, *rng.integers(1, r + 1, steps // 10 - 2), r]), 10)
     return {
         **arrays,
+        "motions": model.motions.astype(np.uintp),
+        "start": rng.standard_normal(2 * k),
         "u": rng.standard_normal((steps, 3, m)) * np.array([1.0, 5.0, 25.0])[:, None],
         "h": h,
         "laws": np.array([LAWS.index(law) for law in model.laws], dtype=np.int32),
@@ -97,9 +101,10 @@ def native_run(path: Path) -> Motion:
     with np.load(path) as file:
         arrays = {name: np.ascontiguousarray(file[name]) for name in file.files}
     scalars = {k: arrays.pop(k).item() for k in ("alpha", "beta", "initial_static", "residual", "held")}
-    (s, r), (steps, _, m), p = arrays["C"].shape, arrays["u"].shape, len(arrays["laws"])
-    run = Run(r=r, m=m, p=p, s=s, steps=steps, **{k: a.ctypes.data for k, a in arrays.items()}, **scalars)
-    derivatives, outputs = np.full((1 + steps, 5, r), np.nan), np.full((1 + steps, 3, p), np.nan)
+    (s, n), (steps, _, m), p = arrays["C"].shape, arrays["u"].shape, len(arrays["laws"])
+    sizes = {"k": len(arrays["motions"]), "n": n, "m": m, "p": p, "s": s, "steps": steps}
+    run = Run(**sizes, **{key: a.ctypes.data for key, a in arrays.items()}, **scalars)
+    derivatives, outputs = np.full((1 + steps, 5, n), np.nan), np.full((1 + steps, 3, p), np.nan)
     made = maths().run_steps(
         ctypes.byref(run), c_void_p(derivatives.ctypes.data), c_void_p(outputs.ctypes.data)
     )
@@ -108,44 +113,52 @@ def native_run(path: Path) -> Motion:
 
 
 def python_run(model: ReducedModel, path: Path) -> Motion:
-    """The functions of step.py, and the derivatives of q̈ + D̃ q̇ + λ q = f; y by outputs.py, with R u̇."""
+    """The functions of step.py, and the derivatives of ẍ + D̃ ẋ + λ x = f; y by outputs.py, with R u̇."""
     with np.load(path) as x:
-        lam, B, held = x["lam"], x["B"], bool(x["held"])
+        lam, B, start, held = x["lam"], x["B"], x["start"], bool(x["held"])
         inputs, sizes, levels = x["u"] * [[1.0], [0.0], [0.0]] if held else x["u"], x["h"], x["active"]
-    D = np.diag(model.damping(model.alpha, model.beta)) + model.D_rest - np.diag(np.diag(model.D_rest))
-    r, static = len(lam), model.initial == "static"
-    state = static_solution(lam, B @ inputs[0, 0]) if static else at_rest(r)
+    n, k, N, damping = len(lam), model.k, model.drag(model.alpha), (model.alpha, model.beta)
+    D = np.diag(model.damping(*damping))
+    D[k:, k:] += model.D_rest[k:, k:] - np.diag(np.diag(model.D_rest[k:, k:]))
+    state, (s, s_dot) = at_rest(n), np.split(start, 2)
+    state.q[:k], state.v[:k] = s, s_dot
+    if model.initial == "static":
+        state.q[k:] = static_solution(lam[k:], (B @ inputs[0, 0] + N @ s_dot)[k:]).q
     derivatives, outputs = [], []
 
+    def force(u: Floats, s_dot: Floats) -> Floats:
+        """f, ḟ, f̈, f⃛ (4, n) of inputs with two rates, (3, m)."""
+        rates = np.vstack([s_dot, u[:, model.motions]])
+        return np.vstack([u, 0 * u[:1]]) @ B.T + rates @ N.T
+
     def note(u: Floats, active: int) -> None:
-        on = np.arange(r) < active
-        f = (B @ u.T).T * on
+        on = np.arange(n) < active
+        f = force(u, state.v[:k]) * on
         motion = [state.q, state.v]
         for order in range(3):
             motion.append((f[order] - D @ motion[-1] - lam * motion[-2]) * on)
         through = feedthrough(model, active)
         rows = rows_by_law(model, through.R)
-        y = measure(rows, lam, model.alpha, through.R_in, State(*motion[:2]), motion[2], u[0])
+        y = measure(model, rows, through.R_in, damping, State(*motion[:2]), motion[2], u[0])
         one = rows.get("velocity")
         if one is not None and one.R is not None:
             y[one.places] += one.R @ u[1]
         derivatives.append(motion)
         outputs.append(y)
 
-    note(np.array([inputs[0, 0], *(0 * inputs[0, 1:])]), r)
+    note(np.array([inputs[0, 0], *(0 * inputs[0, 1:])]), n)
     for h, (u, u1, u2), active in zip(sizes, inputs, levels, strict=True):
         state = keep_modes(state, active)
         alone = propagator(lam[:active], np.diag(D)[:active], float(h))
-        f = [B[:active] @ rate for rate in (u, u1, u2)]
+        f = force(np.array([u, u1, u2]), state.v[:k])[:, :active]
         moved = step(alone, State(state.q[:active], state.v[:active]), *f)
         off = D[:active, :active] - np.diag(np.diag(D[:active, :active]))
         group = np.flatnonzero(off.any(axis=1))
         if len(group):
             together = coupled_propagator(lam[group], D[np.ix_(group, group)], float(h))
-            rates = [rate[group] for rate in f]
-            of_group = coupled_step(together, State(state.q[group], state.v[group]), *rates)
+            of_group = coupled_step(together, State(state.q[group], state.v[group]), *f[:, group])
             moved.q[group], moved.v[group] = of_group.q, of_group.v
-        rest = np.zeros(r - active)
+        rest = np.zeros(n - active)
         state = State(np.concatenate([moved.q, rest]), np.concatenate([moved.v, rest]))
         note(np.array([u + h * u1 + h**2 / 2 * u2, u1 + h * u2, u2]), int(active))
     return Motion(np.array(derivatives), np.array(outputs))
@@ -157,16 +170,36 @@ def larger(copies: int, *, rigid: bool, coupled: bool) -> ReducedModel:
     lam = np.sort(np.repeat([3.0, 7.0, 30.0, 30.0, 400.0, 9000.0], copies))
     if rigid:
         lam[:copies] = 0.0
-    r, s = len(lam), len(everything().C)
+    r, s, ports = len(lam), len(everything().C), everything().ports
     w = rng.standard_normal((r, 2)) * coupled
     w[1::4] = 0.0
     return everything(
-        lam=lam,
         D_rest=np.diag(rng.uniform(0.0, 2.0, r)) + w @ w.T,
-        B=rng.standard_normal((r, 7)),
-        C=rng.standard_normal((s, r)),
+        **legal(ports, lam, rng.standard_normal((r, 7)), rng.standard_normal((s, r))),
         initial="rest" if rigid else "static",
     )
+
+
+@pytest.mark.parametrize("held", [True, False], ids=["held", "with rates"])
+@pytest.mark.parametrize("start", ["rest", "static"])
+@pytest.mark.parametrize("dashpots", [True, False], ids=["coupled", "alone"])
+@pytest.mark.parametrize("k", [1, 3])
+def test_driven_steps_agree_on_the_same_file(
+    tmp_path: Path, held: bool, start: str, dashpots: bool, k: int
+) -> None:
+    """The same with ports that are moved."""
+    model = reduced(part(k=k, dashpots=dashpots), initial=start)
+    path = tmp_path / "run.npz"
+    np.savez(path, **run_file(model, 60, held=held))
+    native, python = native_run(path), python_run(model, path)
+    bound = 60 * 100 * EPS
+    for found, expected in (
+        (native.derivatives, python.derivatives),
+        (native.outputs[:, :1], python.outputs[:, None]),
+    ):
+        order = np.abs(expected).reshape(len(expected), -1, expected.shape[-1])
+        peak = order.max(axis=(0, 2), keepdims=True)
+        assert (np.abs(found.reshape(order.shape) - expected.reshape(order.shape)) <= bound * peak).all()
 
 
 @pytest.mark.parametrize("held", [True, False], ids=["held", "with rates"])

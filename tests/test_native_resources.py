@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from examples import EVERYTHING, everything, oscillator, two_ports
+from driven import driven
+from examples import EVERYTHING, everything, legal, oscillator, two_ports
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from model_files import (
@@ -40,7 +41,7 @@ from fmu_src.runtime.model import Port, ReducedModel
 from fmu_src.runtime.resources import ARRAYS
 
 GUID = "{01234567-89ab-cdef-0123-456789abcdef}"
-ALLOCATIONS = 11  # model.json, its checksum, its values, its ports' names, the model, six arrays
+ALLOCATIONS = 13  # model.json, its checksum, its values, its ports' names, the model, eight arrays
 INPUTS, OUTPUTS = (*ORDINARY_INPUTS,), (*ORDINARY_OUTPUTS,)
 
 MODELS: list[Callable[[], ReducedModel]] = [
@@ -53,6 +54,8 @@ MODELS: list[Callable[[], ReducedModel]] = [
     lambda: oscillator(ports=(Port("none", (), ()), Port("tip", ("force.x",), OUTPUTS[3:6]))),
     everything,
     lambda: everything(residual=False, coupled=False),
+    driven,
+    lambda: driven(k=1, dashpots=False),
     lambda: with_ports(EVERYTHING[::-1]),
     lambda: with_ports((Port("energy", (), ("strain",)),)),  # no row of C and R
     lambda: with_ports((Port("all", INPUTS, OUTPUTS), Port("base", (*BASE,), ()))),
@@ -64,20 +67,26 @@ def with_ports(ports: tuple[Port, ...]) -> ReducedModel:
     """Two modes; every array random and full where it may be."""
     rng = np.random.default_rng(3)
     m = sum(len(port.inputs) for port in ports)
+    k = sum("motion" in key for port in ports for key in port.inputs)
     s = sum(ROWS[outputs_of(port.name)[key].law] for port in ports for key in port.outputs)
-    S = rng.standard_normal((m, m))
+    S, D, M_s, K_s = (rng.standard_normal((size, size)) for size in (m, k + 2, k, k))
     return ReducedModel(
         name="ports",
         description="",
-        lam=np.array([1.0, 2.0]),
         alpha=0.0,
         beta=0.0,
-        D_rest=np.array([[1.0, -0.5], [-0.5, 2.0]]),
-        B=rng.standard_normal((2, m)),
-        C=rng.standard_normal((s, 2)),
+        D_rest=D @ D.T,
         R=rng.standard_normal((s, m)),
         R_in=S @ S.T,
         ports=ports,
+        M_s=M_s @ M_s.T,
+        K_s=K_s @ K_s.T,
+        **legal(
+            ports,
+            np.array([*[0.0] * k, 1.0, 2.0]),
+            rng.standard_normal((k + 2, m)),
+            rng.standard_normal((s, k + 2)),
+        ),
     )
 
 
@@ -116,8 +125,10 @@ def test_models_of_every_kind(
     initial: Any,
     residual: bool,
 ) -> None:
-    lam = sorted(data.draw(st.lists(positive, min_size=1, max_size=5)))
-    r, m = len(lam), sum(len(port[1]) for port in found)
+    modes = sorted(data.draw(st.lists(positive, min_size=1, max_size=5)))
+    listed = tuple(Port(name, tuple(inputs), tuple(outputs)) for name, inputs, outputs in found)
+    k = sum("motion" in key for port in listed for key in port.inputs)
+    n, m = k + len(modes), sum(len(port[1]) for port in found)
     s = sum(ROWS[outputs_of(name)[key].law] for name, _, outputs in found for key in outputs)
 
     def array(*shape: int, of: st.SearchStrategy[float] = finite) -> Any:
@@ -132,17 +143,17 @@ def test_models_of_every_kind(
     model = ReducedModel(
         name=data.draw(names),
         description=data.draw(st.text(st.characters(min_codepoint=32, max_codepoint=0xD7FF))),
-        lam=np.array(lam),
         alpha=alpha,
         beta=beta,
-        D_rest=symmetric(r),
-        B=array(r, m),
-        C=array(s, r),
+        D_rest=symmetric(n),
         R=array(s, m),
         R_in=symmetric(m),
-        ports=tuple(Port(name, tuple(inputs), tuple(outputs)) for name, inputs, outputs in found),
-        initial=initial if lam[0] > 0 else "rest",
+        ports=listed,
+        initial=initial if modes[0] > 0 else "rest",
         residual=residual,
+        M_s=symmetric(k),
+        K_s=symmetric(k),
+        **legal(listed, np.array([*[0.0] * k, *modes]), array(n, m), array(s, n)),
     )
     assert_same(read_native(in_memory(files_of(model))), model)
 

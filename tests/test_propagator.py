@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from fmu_src.runtime.model import Floats
 from fmu_src.runtime.propagator import Propagator, propagator
 
-NAMES = ("E11", "E12", "E21", "E22", "G0", "G1", "G2")
+NAMES = ("E11", "E12", "E21", "E22", "G0", "G1", "G2", "G3")
 # What is promised, relative to the largest absolute value over [h/2, 2h] and per 1 + ωh: a rounding of ω
 # alone turns into a phase error of ωh roundings. Long searches found 1.3e-15 at worst.
 PROMISE = 3e-15
@@ -22,7 +22,7 @@ def exact(lam: float, d: float, h: float) -> list[mp.mpf]:
     """The coefficients from the roots [2.34] by their textbook formulas, in arithmetic that affords them."""
     tiny = sum(max(0.0, -math.log10(x)) for x in (lam, d, h) if x > 0)
     with mp.workdps(
-        100 + int(4 * tiny)
+        100 + int(5 * tiny)
     ):  # differences of the order of (λh²)², dh and λ/d² lose so many digits
         lam, d, h = mp.mpf(lam), mp.mpf(d), mp.mpf(h)
         root = mp.sqrt(d * d / 4 - lam)
@@ -38,13 +38,15 @@ def exact(lam: float, d: float, h: float) -> list[mp.mpf]:
             G0 = (1 - E11) / lam
             G1 = (h - E12 - d * G0) / lam
             G2 = (h * h / 2 - G0 - d * G1) / lam
+            G3 = (h**3 / 6 - G1 - d * G2) / lam
         elif d > 0:
             G0 = (h - E12) / d
             G1 = (h * h / 2 - G0) / d
             G2 = (h**3 / 6 - G1) / d
+            G3 = (h**4 / 24 - G2) / d
         else:
-            G0, G1, G2 = h * h / 2, h**3 / 6, h**4 / 24
-        return [mp.re(c) for c in (E11, E12, -lam * E12, E22, G0, G1, G2)]
+            G0, G1, G2, G3 = h * h / 2, h**3 / 6, h**4 / 24, h**5 / 120
+        return [mp.re(c) for c in (E11, E12, -lam * E12, E22, G0, G1, G2, G3)]
 
 
 def largest(lam: float, d: float, h: float) -> list[mp.mpf]:

@@ -83,15 +83,16 @@ static double moved(Instance *x, double h)
     const size_t slot = kept_coefficients(x, h);
     const Propagator *P = &x->kept[slot];
     const double *q = x->motion[0], *v = x->motion[1];
-    const bool held = !x->rates_given;
+    const size_t degree = step_forces(x);
     double size;
-    modal_force(x, held ? 0 : RATES);
-    if (held)
+    if (degree == 0)
         size = x->kernels->step_held(P, q, v, x->f[0], x->next[0], x->next[1], x->n_active);
-    else
+    else if (degree <= RATES)
         size = x->kernels->step(P, q, v, x->f, x->next[0], x->next[1], x->n_active);
+    else
+        size = x->kernels->step_cubic(P, q, v, x->f, x->next[0], x->next[1], x->n_active);
     if (x->coupling.g > 0) /* in place of what these modes would do alone */
-        size += coupled_step(&x->coupling, slot, q, v, x->f, held, x->next[0], x->next[1], x->kernels);
+        size += coupled_step(&x->coupling, slot, q, v, x->f, degree, x->next[0], x->next[1], x->kernels);
     return size;
 }
 
@@ -110,6 +111,8 @@ StepResult advance_instance(Instance *x, double time, double h, Reason *reason)
         x->next[order] = before;
     }
     x->motions_known = 2;
+    if (x->drags)
+        x->forces_known = 0;
     x->time = time + h;
     if (x->rates_given)
         extrapolate_inputs(x, h);

@@ -40,9 +40,10 @@ static void coupled_series(const CoupledPropagator *P, const double *lam, const 
 {
     const size_t count = n * n;
     double *minus_Dh = scratch[0], *before = scratch[1], *now = scratch[2], *after = scratch[3];
-    double *const sums[] = {P->E12, P->N, P->G0, P->G1, P->G2};
+    double *const sums[] = {P->E12, P->N, P->G0, P->G1, P->G2, P->G3};
     for (size_t k = 0; k < sizeof sums / sizeof *sums; k++)
-        memset(sums[k], 0, count * sizeof(double));
+        if (sums[k])
+            memset(sums[k], 0, count * sizeof(double));
     memset(before, 0, count * sizeof(double));
     memset(now, 0, count * sizeof(double));
     for (size_t i = 0; i < count; i++)
@@ -59,6 +60,8 @@ static void coupled_series(const CoupledPropagator *P, const double *lam, const 
             P->G1[i] += term * h * h * h / ((k + 2) * (k + 3));
             P->G2[i] += term * h * h * h * h / ((k + 2) * (k + 3) * (k + 4));
         }
+        for (size_t i = 0; P->G3 && i < count; i++)
+            P->G3[i] += now[i] / factorial * h * h * h * h * h / ((k + 2.0) * (k + 3) * (k + 4) * (k + 5));
         memset(after, 0, count * sizeof(double));
         for (size_t j = 0; j < g; j++)
             for (size_t i = 0; i < g; i++)
@@ -85,7 +88,8 @@ static void double_step(CoupledPropagator *P, const double *lam, size_t g, size_
             Y[j * n + i] = -P->G0[j * n + i] * lam[j];
             E21[j * n + i] = -P->E12[j * n + i] * lam[j];
         }
-    CoupledPropagator next = {scratch[0], scratch[1], scratch[2], scratch[3], scratch[4]};
+    CoupledPropagator next = {scratch[0], scratch[1], scratch[2],
+                              scratch[3], scratch[4], P->G3 ? scratch[7] : NULL};
     for (size_t i = 0; i < count; i++) {
         next.E12[i] = 2.0 * P->E12[i];
         next.N[i] = 2.0 * P->N[i];
@@ -93,20 +97,28 @@ static void double_step(CoupledPropagator *P, const double *lam, size_t g, size_
         next.G1[i] = 2.0 * P->G1[i] + h * P->G0[i];
         next.G2[i] = 2.0 * P->G2[i] + h * P->G1[i] + 0.5 * h * h * P->G0[i];
     }
+    for (size_t i = 0; P->G3 && i < count; i++)
+        next.G3[i] = 2.0 * P->G3[i] + h * P->G2[i] + 0.5 * h * h * P->G1[i] + h * h * h / 6.0 * P->G0[i];
     const struct {
         double *sum, *A, *B;
     } products[] = {{next.E12, P->E12, P->N}, {next.E12, Y, P->E12},     {next.N, P->N, P->N},
                     {next.N, E21, P->E12},    {next.G0, P->E12, P->E12}, {next.G0, Y, P->G0},
                     {next.G1, P->E12, P->G0}, {next.G1, Y, P->G1},       {next.G2, P->E12, P->G1},
-                    {next.G2, Y, P->G2}};
+                    {next.G2, Y, P->G2},      {next.G3, P->E12, P->G2},  {next.G3, Y, P->G3}};
     for (size_t k = 0; k < sizeof products / sizeof *products; k++)
-        kernels->multiply(products[k].sum, products[k].A, products[k].B, g, n);
-    double **old[] = {&P->E12, &P->N, &P->G0, &P->G1, &P->G2};
-    for (size_t k = 0; k < sizeof old / sizeof *old; k++) {
-        double *doubled = scratch[k];
+        if (products[k].sum)
+            kernels->multiply(products[k].sum, products[k].A, products[k].B, g, n);
+    struct {
+        double **old, **doubled;
+    } exchanges[] = {{&P->E12, &scratch[0]}, {&P->N, &scratch[1]},  {&P->G0, &scratch[2]},
+                     {&P->G1, &scratch[3]},  {&P->G2, &scratch[4]}, {&P->G3, &scratch[7]}};
+    for (size_t k = 0; k < sizeof exchanges / sizeof *exchanges; k++) {
+        double *doubled = *exchanges[k].doubled, *old = *exchanges[k].old;
+        if (!old)
+            continue;
         mirror(doubled, n);
-        scratch[k] = *old[k];
-        *old[k] = doubled;
+        *exchanges[k].doubled = old;
+        *exchanges[k].old = doubled;
     }
 }
 
@@ -116,9 +128,9 @@ void coupled_propagator(CoupledPropagator *P, const double *lam, const double *D
     const size_t n = (g + LANES - 1) / LANES * LANES;
     double norm = coupled_norm(lam, D, g, n, h);
     if (!(norm < LARGE_NORM)) {
-        double *const all[] = {P->E12, P->N, P->G0, P->G1, P->G2};
+        double *const all[] = {P->E12, P->N, P->G0, P->G1, P->G2, P->G3};
         for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-            for (size_t i = 0; i < n * n; i++)
+            for (size_t i = 0; all[k] && i < n * n; i++)
                 all[k][i] = NAN;
         return;
     }

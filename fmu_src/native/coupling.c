@@ -3,11 +3,11 @@
 #include <math.h>
 #include <string.h>
 
-/* Whether D_rest couples the mode to another one of the first `count`. */
+/* Whether D_rest couples the mode to another one of the first `count` coordinates. */
 static bool has_partner(const ReducedModel *model, size_t mode, size_t count)
 {
-    for (size_t j = 0; j < count; j++)
-        if (j != mode && model->D_rest[mode * model->r + j] != 0.0)
+    for (size_t j = model->k; j < count; j++)
+        if (j != mode && model->D_rest[mode * model->n + j] != 0.0)
             return true;
     return false;
 }
@@ -15,8 +15,8 @@ static bool has_partner(const ReducedModel *model, size_t mode, size_t count)
 size_t coupled_modes(const ReducedModel *model, size_t *mode)
 {
     size_t count = 0;
-    for (size_t i = 0; i < model->r; i++)
-        if (has_partner(model, i, model->r)) {
+    for (size_t i = model->k; i < model->n; i++)
+        if (has_partner(model, i, model->n)) {
             if (mode)
                 mode[count] = i;
             count++;
@@ -26,7 +26,7 @@ size_t coupled_modes(const ReducedModel *model, size_t *mode)
 
 bool set_coupling(Coupling *group, const ReducedModel *model, size_t active)
 {
-    size_t before = group->g, r = model->r;
+    size_t before = group->g;
     group->g = 0;
     for (size_t k = 0; k < group->every; k++) {
         size_t mode = group->every_mode[k];
@@ -41,7 +41,7 @@ bool set_coupling(Coupling *group, const ReducedModel *model, size_t active)
         group->lam[i] = model->lam[group->mode[i]];
         for (size_t j = 0; j < g; j++)
             if (i != j)
-                group->D_off[j * n + i] = model->D_rest[group->mode[i] * r + group->mode[j]];
+                group->D_off[j * n + i] = model->D_rest[group->mode[i] * model->n + group->mode[j]];
     }
     return true;
 }
@@ -61,8 +61,8 @@ static double not_tiny(double x)
     return fabs(x) < TINY ? 0.0 : x;
 }
 
-double coupled_step(Coupling *group, size_t slot, const double *q, const double *v, double *const f[3],
-                    bool held, double *q1, double *v1, const Kernels *kernels)
+double coupled_step(Coupling *group, size_t slot, const double *q, const double *v, double *const f[4],
+                    size_t degree, double *q1, double *v1, const Kernels *kernels)
 {
     const CoupledPropagator *P = &group->kept[slot];
     const size_t g = group->g, n = group->n, *mode = group->mode;
@@ -72,12 +72,16 @@ double coupled_step(Coupling *group, size_t slot, const double *q, const double 
         group->p[i] = f[0][mode[i]] - group->lam[i] * q[mode[i]];
     }
     kernels->coupled(P->E12, P->G0, P->N, group->v, group->p, group->q_end, group->v_end, g, n);
-    if (!held) {
+    if (degree > 0) {
         for (size_t i = 0; i < g; i++) {
             group->f1[i] = f[1][mode[i]];
             group->f2[i] = f[2][mode[i]];
         }
         kernels->coupled(P->G1, P->G2, P->G0, group->f1, group->f2, group->q_end, group->v_end, g, n);
+    }
+    for (size_t j = 0; degree > 2 && j < g; j++) {
+        kernels->add(group->q_end, P->G3 + j * n, f[3][mode[j]], n);
+        kernels->add(group->v_end, P->G2 + j * n, f[3][mode[j]], n);
     }
     double size = 0.0;
     for (size_t i = 0; i < g; i++) {

@@ -9,7 +9,7 @@
 static Group varied_group(const Instance *x, fmi2ValueReference vr, bool known, size_t *place, Reason *reason)
 {
     Group group = group_of(&x->layout, vr, place);
-    if (group != NO_VARIABLE && (known ? is_known(x, group) : is_unknown(x, group)))
+    if (group != NO_VARIABLE && (known ? is_known(x, group, *place) : is_unknown(x, group, *place)))
         return group;
     refuse(reason, "got value reference %u, expected %s of ModelStructure", vr,
            known ? "a dependency" : "an unknown");

@@ -1,4 +1,4 @@
-/* Model exchange: states q, v and their derivatives, for the solver of the tool; no events. */
+/* Model exchange: states x = [s; q], x' and their derivatives, for the solver of the tool; no events. */
 #include "component.h"
 #include "motion.h"
 #include "reals.h"
@@ -80,7 +80,7 @@ static Component *with_states(fmi2Component component, Call call, const void *va
     if (!c)
         return NULL;
     Reason reason;
-    size_t states = 2 * c->source.model->r;
+    size_t states = 2 * c->source.model->n;
     if (count == states && values)
         return c;
     refuse(&reason, "got %zu values%s, expected an array of %zu", count, values ? "" : " at a NULL pointer",
@@ -94,7 +94,7 @@ fmi2Status fmi2SetContinuousStates(fmi2Component component, const fmi2Real x[], 
     Component *c = with_states(component, CALL_SetContinuousStates, x, nx);
     if (!c)
         return fmi2Error;
-    size_t r = c->source.model->r;
+    size_t n = c->source.model->n;
     Reason reason;
     for (size_t i = 0; i < nx; i++)
         if (!isfinite(x[i])) {
@@ -102,9 +102,9 @@ fmi2Status fmi2SetContinuousStates(fmi2Component component, const fmi2Real x[], 
                    i + 1);
             return refused(c, CALL_SetContinuousStates, fmi2Discard, &reason);
         }
-    for (size_t i = 0; i < r; i++) {
+    for (size_t i = 0; i < n; i++) {
         set_state(c->instance, 0, i, x[i]);
-        set_state(c->instance, 1, i, x[r + i]);
+        set_state(c->instance, 1, i, x[n + i]);
     }
     return fmi2OK;
 }
@@ -117,17 +117,17 @@ fmi2Status fmi2GetDerivatives(fmi2Component component, fmi2Real derivatives[], s
     Reason reason;
     if (!inputs_are_finite(c->instance, &reason))
         return refused(c, CALL_GetDerivatives, fmi2Discard, &reason);
-    size_t r = c->source.model->r;
+    size_t k = c->source.model->k, n = c->source.model->n;
     double *const *q = motion(c->instance, 2);
-    for (size_t i = 0; i < r; i++)
+    for (size_t i = k; i < n; i++) /* a prescribed acceleration is an input */
         if (!isfinite(q[2][i])) {
-            refuse(&reason, "the derivative of modes.velocity[%zu] is %g: try a smaller step", i + 1,
+            refuse(&reason, "the derivative of modes.velocity[%zu] is %g: try a smaller step", i + 1 - k,
                    q[2][i]);
             return refused(c, CALL_GetDerivatives, fmi2Discard, &reason);
         }
-    for (size_t i = 0; i < r; i++) {
+    for (size_t i = 0; i < n; i++) {
         derivatives[i] = q[1][i];
-        derivatives[r + i] = q[2][i];
+        derivatives[n + i] = q[2][i];
     }
     return fmi2OK;
 }
@@ -148,11 +148,11 @@ fmi2Status fmi2GetContinuousStates(fmi2Component component, fmi2Real x[], size_t
     Component *c = with_states(component, CALL_GetContinuousStates, x, nx);
     if (!c)
         return fmi2Error;
-    size_t r = c->source.model->r;
+    size_t n = c->source.model->n;
     double *const *q = motion(c->instance, 1);
-    for (size_t i = 0; i < r; i++) {
+    for (size_t i = 0; i < n; i++) {
         x[i] = q[0][i];
-        x[r + i] = q[1][i];
+        x[n + i] = q[1][i];
     }
     return fmi2OK;
 }
@@ -162,10 +162,10 @@ fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component component, fmi2Real x
     Component *c = with_states(component, CALL_GetNominalsOfContinuousStates, x_nominal, nx);
     if (!c)
         return fmi2Error;
-    size_t r = c->source.model->r;
-    for (size_t i = 0; i < r; i++) {
+    size_t n = c->source.model->n;
+    for (size_t i = 0; i < n; i++) {
         x_nominal[i] = nominal(c->instance, 0, i);
-        x_nominal[r + i] = nominal(c->instance, 1, i);
+        x_nominal[n + i] = nominal(c->instance, 1, i);
     }
     return fmi2OK;
 }

@@ -1,5 +1,6 @@
 /* Getting and setting variables; a call with one wrong reference or value changes nothing. */
 #include "component.h"
+#include "directional.h"
 #include "reals.h"
 
 #include <math.h>
@@ -33,8 +34,10 @@ fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference vr[], s
 }
 
 /* Whether this Real can be set to this value now. */
-static bool can_set(const Component *c, Group group, fmi2ValueReference vr, double value, Reason *reason)
+static bool can_set(const Component *c, fmi2ValueReference vr, double value, Reason *reason)
 {
+    size_t place;
+    Group group = group_of(&c->instance->layout, vr, &place);
     switch (group) {
     case INPUT:
         return true; /* a step is where an input must be finite */
@@ -44,11 +47,15 @@ static bool can_set(const Component *c, Group group, fmi2ValueReference vr, doub
             return refuse(reason, "damping can be changed in event mode only");
         return (isfinite(value) && value >= 0.0) ||
                refuse(reason, "got a damping parameter of %g, expected a finite number >= 0", value);
+    case START:
+        if (!c->instance->initialising)
+            return refuse(reason, "the start of a prescribed motion can be set before "
+                                  "fmi2ExitInitializationMode only");
+        return isfinite(value) || refuse(reason, "got a start of %g, expected a finite number", value);
     case AMPLITUDE:
-        if (c->instance->initialising && c->source.model->initial_static)
-            return refuse(reason, "value reference %u is calculated; it cannot be set", vr);
-        break;
     case MODAL_VELOCITY:
+        if (c->instance->initialising && !is_known(c->instance, group, place))
+            return refuse(reason, "value reference %u is calculated; it cannot be set", vr);
         break;
     default:
         return refuse(reason, "value reference %u is calculated or constant; it cannot be set", vr);
@@ -72,7 +79,7 @@ fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], s
         !references_exist(vr, nvr, x->layout.start[NO_VARIABLE], &reason))
         return refused(c, CALL_SetReal, fmi2Error, &reason);
     for (size_t k = 0; k < nvr; k++)
-        if (!can_set(c, group_of(&x->layout, vr[k], &place), vr[k], value[k], &reason))
+        if (!can_set(c, vr[k], value[k], &reason))
             return refused(c, CALL_SetReal, fmi2Error, &reason);
     double alpha = x->alpha, beta = x->beta;
     for (size_t k = 0; k < nvr; k++)
@@ -85,6 +92,9 @@ fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], s
             break;
         case BETA:
             beta = value[k];
+            break;
+        case START:
+            set_start(x, place, value[k]);
             break;
         case AMPLITUDE:
             set_state(x, 0, place, value[k]);
@@ -107,11 +117,11 @@ fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference vr[]
     if (!arrays_given(vr, value, nvr, &reason) || !references_exist(vr, nvr, 1, &reason))
         return refused(c, CALL_GetInteger, fmi2Error, &reason);
     for (size_t k = 0; k < nvr; k++)
-        value[k] = (fmi2Integer)c->instance->active;
+        value[k] = (fmi2Integer)(c->instance->active - c->source.model->k);
     return fmi2OK;
 }
 
-/* Whether a mode that this many modes leave out is not at rest. */
+/* Whether a mode that this many coordinates leave out is not at rest. */
 static bool moves_beyond(const Instance *x, size_t active)
 {
     for (size_t i = active; i < x->active; i++)
@@ -136,7 +146,7 @@ fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference vr[]
             return refused(c, CALL_SetInteger, fmi2Error, &reason);
         }
     if (nvr > 0) {
-        size_t active = (size_t)value[nvr - 1];
+        size_t active = c->source.model->k + (size_t)value[nvr - 1];
         if (c->mode == EVENT_MODE)
             c->states_jumped |= moves_beyond(c->instance, active);
         set_active(c->instance, active);

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#define SCHEMA 2
+#define SCHEMA 3
 
 static const char *kind_name(const Json *value)
 {
@@ -73,8 +73,8 @@ static bool read_residual(const Json *header, bool *residual, Reason *reason)
            refuse(reason, HEADER ": residual: got %s, expected true or false; " AGAIN, kind_name(value));
 }
 
-/* r, the length of lam; whether it is a whole number is seen when its file is read */
-static bool count_modes(const Json *header, size_t *r, Reason *reason)
+/* n, the length of lam; whether it is a whole number is seen when its file is read */
+static bool count_coordinates(const Json *header, size_t *n, Reason *reason)
 {
     const Json *arrays = expected_member(header, "arrays", JSON_OBJECT, reason);
     const Json *lam = expected_member(arrays, "lam", JSON_OBJECT, reason);
@@ -84,25 +84,30 @@ static bool count_modes(const Json *header, size_t *r, Reason *reason)
     double length = shape->size == 1 && shape[1].kind == JSON_NUMBER ? shape[1].number : 0.0;
     if (!(length >= 1.0 && length <= (double)(ARRAY_LIMIT / sizeof(double))))
         return refuse(reason, HEADER ": lam: got %g modes, expected at least one; " AGAIN, length);
-    *r = (size_t)length;
+    *n = (size_t)length;
     return true;
 }
 
-/* The model in one block of memory: itself, its texts' places, the laws of its outputs, its texts. */
-static ReducedModel *new_model(const Json *name, const Json *ports, const PortSizes *sizes,
+/* The model in one block of memory: itself, its texts' places, its k motions, the laws of its outputs, its
+ * texts. */
+static ReducedModel *new_model(const Json *name, const Json *ports, const PortSizes *sizes, size_t k,
                                const Memory *memory)
 {
-    size_t places = (sizes->inputs + sizes->outputs) * sizeof(char *);
+    size_t places = (sizes->inputs + sizes->outputs) * sizeof(char *) + k * sizeof(size_t);
     size_t laws_size = sizes->outputs * sizeof(Law), texts_size = name->size + 1 + sizes->bytes;
     ReducedModel *model = memory->allocate(1, sizeof *model + places + laws_size + texts_size);
     if (!model)
         return NULL;
     const char **inputs = (const char **)(void *)(model + 1), **outputs = inputs + sizes->inputs;
-    Law *laws = (Law *)(void *)(outputs + sizes->outputs);
+    size_t *motions = (size_t *)(void *)(outputs + sizes->outputs);
+    Law *laws = (Law *)(void *)(motions + k);
     char *texts = (char *)(laws + sizes->outputs);
     memcpy(texts, name->text, name->size + 1);
     name_variables(ports, texts + name->size + 1, inputs, outputs, laws);
+    prescribed_motions(ports, motions);
     model->name = texts;
+    model->k = k;
+    model->motions = motions;
     model->m = sizes->inputs;
     model->p = sizes->outputs;
     model->s = sizes->rows;
@@ -127,11 +132,11 @@ ReducedModel *described_model(const Json *header, const Memory *memory, Reason *
 {
     double alpha = 0.0, beta = 0.0;
     bool initial_static = false, residual = false;
-    size_t r = 0;
+    size_t n = 0;
     PortSizes sizes = {0, 0, 0, 0};
     if (!has_schema(header, reason) || !read_damping(header, "alpha", &alpha, reason) ||
         !read_damping(header, "beta", &beta, reason) || !read_initial(header, &initial_static, reason) ||
-        !read_residual(header, &residual, reason) || !count_modes(header, &r, reason))
+        !read_residual(header, &residual, reason) || !count_coordinates(header, &n, reason))
         return NULL;
     const Json *name = expected_member(header, "name", JSON_TEXT, reason);
     const Json *ports = name ? expected_member(header, "ports", JSON_LIST, reason) : NULL;
@@ -139,7 +144,12 @@ ReducedModel *described_model(const Json *header, const Memory *memory, Reason *
     if (!description || !is_xml(description, "description", reason) || !is_identifier(name, "name", reason) ||
         !check_ports(ports, &sizes, memory, reason))
         return NULL;
-    ReducedModel *model = new_model(name, ports, &sizes, memory);
+    size_t k = prescribed_motions(ports, NULL);
+    if (n <= k) {
+        refuse(reason, HEADER ": lam: got no mode beside %zu prescribed motions, expected one; " AGAIN, k);
+        return NULL;
+    }
+    ReducedModel *model = new_model(name, ports, &sizes, k, memory);
     if (!model) {
         refuse(reason, HEADER ": no memory for its names");
         return NULL;
@@ -148,6 +158,7 @@ ReducedModel *described_model(const Json *header, const Memory *memory, Reason *
     model->beta = beta;
     model->initial_static = initial_static;
     model->residual = residual;
-    model->r = r;
+    model->n = n;
+    model->r = n - k;
     return model;
 }

@@ -11,29 +11,44 @@ void reset_instance(Instance *x)
     size_t inputs = x->model->m * sizeof(double), modes = x->n * sizeof(double);
     for (size_t order = 0; order <= RATES; order++)
         memset(x->u[order], 0, inputs);
+    memset(x->start, 0, 2 * x->model->k * sizeof(double));
     memset(x->motion[0], 0, modes);
     memset(x->motion[1], 0, modes);
     x->initialising = true;
     x->rates_given = x->rates_left = false;
     x->time = 0.0;
-    set_active(x, x->model->r);
+    set_active(x, x->model->n);
     set_damping(x, x->model->alpha, x->model->beta);
+}
+
+/* N for the present alpha. */
+static void set_drag(Instance *x)
+{
+    x->drags = false;
+    for (size_t j = 0; j < x->model->k; j++)
+        for (size_t i = 0; i < x->model->n; i++) {
+            double entry = x->N[j * x->n + i] = drag(x->model, i, j, x->alpha);
+            x->drags |= entry != 0.0;
+        }
+    x->forces_known = 0;
+    x->settled = false;
 }
 
 void set_damping(Instance *x, double alpha, double beta)
 {
     x->alpha = alpha;
     x->beta = beta;
-    for (size_t i = 0; i < x->model->r; i++)
+    for (size_t i = 0; i < x->model->n; i++)
         x->d[i] = damping(x->model, i, alpha, beta);
+    set_drag(x);
     x->kept_count = 0;
     x->motions_known = 2;
 }
 
 void switch_off(const Instance *x, const Propagator *P)
 {
-    double *const coefficients[] = {P->E11, P->E12, P->E21, P->E22, P->G0, P->G1, P->G2};
-    for (size_t k = 0; k < sizeof coefficients / sizeof *coefficients; k++)
+    double *const coefficients[] = {P->E11, P->E12, P->E21, P->E22, P->G0, P->G1, P->G2, P->G3};
+    for (size_t k = 0; k < sizeof coefficients / sizeof *coefficients && coefficients[k]; k++)
         memset(coefficients[k] + x->active, 0, (x->n_active - x->active) * sizeof(double));
 }
 
@@ -61,6 +76,14 @@ void set_active(Instance *x, size_t active)
         change_active(x, active);
     x->forces_known = 0;
     x->motions_known = 2;
+    x->settled = false;
+}
+
+void set_start(Instance *x, size_t place, double value)
+{
+    size_t k = x->model->k;
+    x->start[place] = value;
+    set_state(x, place < k ? 0 : 1, place < k ? place : place - k, value);
     x->settled = false;
 }
 
@@ -97,17 +120,19 @@ void set_state(Instance *x, size_t order, size_t place, double value)
     if (place < x->active)
         x->motion[order][place] = value;
     x->motions_known = 2;
+    if (x->drags && place < x->model->k)
+        x->forces_known = 0;
 }
 
 bool end_initialisation(Instance *x, Reason *reason)
 {
     const double *q = motion(x, 0)[0];
-    for (size_t i = 0; i < x->active; i++)
+    for (size_t i = x->model->k; i < x->active; i++)
         if (!isfinite(q[i]))
             return refuse(reason,
                           "the static start gives modes.amplitude[%zu] = %g, expected a finite number: "
                           "set finite inputs",
-                          i + 1, q[i]);
+                          i + 1 - x->model->k, q[i]);
     x->initialising = false;
     return true;
 }

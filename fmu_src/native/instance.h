@@ -1,4 +1,4 @@
-/* One instance of the FMU: its inputs, parameters and modal state, and what follows from them.
+/* One instance of the FMU: its inputs, parameters and state, and what follows from them.
  *
  * No FMI here; the formulas are those of propagator.h, coupled.h, kernels.h, motion.h and outputs.h.
  * Instances share nothing that is written to: each may be used from a thread of its own. */
@@ -12,13 +12,17 @@
     1e-9        /* relative to max(1, |t|): a step that starts this near to the last one's end starts there */
 #define RATES 2 /* orders of the input derivatives and of the output derivatives */
 
-/* All vectors of modes have n entries, r of them used; those of the motion behind `active` are 0. */
+/* All vectors of coordinates x = [s; q] have n entries, model->n of them used; those of the motion behind
+ * `active` are 0. */
 typedef struct {
     const ReducedModel *model;
     Layout layout;
     const Kernels *kernels;
-    size_t n, n_inputs; /* r and m rounded up to whole registers */
-    double *d;          /* the diagonal of D~ for the present alpha, beta */
+    size_t n, n_inputs; /* model->n and m rounded up to whole registers */
+    double *d;          /* the diagonal of D~ for the present alpha, beta; */
+    double *N;          /* the k columns of N for the present alpha, */
+    bool drags;         /* which has an entry */
+    double *start;      /* of s, then of s', (2k) */
     double *B, *C;      /* the columns of B, the rows of C */
     double **C_of;      /* (p): the first row of each output, */
     bool rows_only;     /* which has no other and is multiplied by q, q' or q'', */
@@ -30,13 +34,13 @@ typedef struct {
     bool initialising;  /* until fmi2ExitInitializationMode */
     bool settled;       /* a static start is in equilibrium with the present inputs */
     double time, alpha, beta;
-    size_t active, n_active;   /* modes that move; the same rounded up to whole registers */
+    size_t active, n_active;   /* coordinates that move, at least k; the same rounded up to whole registers */
     double *u[1 + RATES];      /* the inputs and their rates, (n_inputs) each */
     bool rates_given;          /* rates were set for the next step, */
     bool rates_left;           /* or are those that the last step ended with */
-    double *f[1 + RATES];      /* B u and its rates, */
+    double *f[2 + RATES];      /* B u + N s' and its rates, */
     size_t forces_known;       /* so many of which are up to date */
-    double *motion[3 + RATES]; /* q, q' = v, q'' = a and their derivatives, */
+    double *motion[3 + RATES]; /* x = q, x' = v, x'' = a and their derivatives, */
     size_t motions_known;      /* so many of which are up to date: at least q and v */
     double *next[2];           /* where a step writes the new q, v */
     Propagator kept[KEPT_STEP_SIZES];
@@ -62,8 +66,12 @@ INTERNAL void reset_instance(Instance *instance);
 /* Take up alpha, beta from here on; the state stays. */
 INTERNAL void set_damping(Instance *instance, double alpha, double beta);
 
-/* Keep the first modes; those switched off go to rest, those switched on start from rest. */
+/* Keep the first coordinates, `active` >= k of them; modes switched off go to rest, those switched on start
+ * from rest. */
 INTERNAL void set_active(Instance *instance, size_t active);
+
+/* Where a prescribed motion begins: s_place for a place below k, s'_(place - k) from there on. */
+INTERNAL void set_start(Instance *instance, size_t place, double value);
 
 /* The input at this place; its rate of an order 1 ... RATES over the next step. */
 INTERNAL void set_input(Instance *instance, size_t place, double value);
@@ -72,7 +80,7 @@ INTERNAL void set_input_rate(Instance *instance, size_t order, size_t place, dou
 /* No rates: the inputs are held. */
 INTERNAL void clear_rates(Instance *instance);
 
-/* One entry of q (order 0) or v (order 1); that of a mode switched off stays 0. */
+/* One entry of x (order 0) or x' (order 1); that of a mode switched off stays 0. */
 INTERNAL void set_state(Instance *instance, size_t order, size_t place, double value);
 
 /* End of the initialisation: the initial state is fixed. Refused where it is not finite. */

@@ -29,8 +29,8 @@ static size_t padded(size_t count)
     return (count + LANES - 1) / LANES * LANES;
 }
 
-/* Memory of the coupled modes. */
-static void place_coupling(Coupling *group, Store *store)
+/* Memory of the coupled modes; whether with G3. */
+static void place_coupling(Coupling *group, Store *store, bool cubic)
 {
     size_t every = group->every, n = padded(every);
     double **vectors[] = {&group->lam, &group->v,     &group->p,    &group->f1,
@@ -46,9 +46,10 @@ static void place_coupling(Coupling *group, Store *store)
         double **coefficients[] = {&P->E12, &P->N, &P->G0, &P->G1, &P->G2};
         for (size_t i = 0; i < sizeof coefficients / sizeof *coefficients; i++)
             *coefficients[i] = take(store, n, n);
+        P->G3 = cubic ? take(store, n, n) : NULL;
     }
     for (size_t k = 0; k < COUPLED_SCRATCH; k++)
-        group->scratch[k] = take(store, n, n);
+        group->scratch[k] = k < COUPLED_SCRATCH - 1 || cubic ? take(store, n, n) : NULL;
 }
 
 /* Hand out memory to everything. */
@@ -56,9 +57,9 @@ static void place_vectors(Instance *x, Store *store)
 {
     const ReducedModel *model = x->model;
     size_t n = x->n, inputs = x->n_inputs, rows = x->feeds_through ? model->s : 0;
-    double **modal[] = {&x->d,         &x->f[0],      &x->f[1],      &x->f[2],      &x->motion[0],
-                        &x->motion[1], &x->motion[2], &x->motion[3], &x->motion[4], &x->next[0],
-                        &x->next[1],   &x->seed[0],   &x->seed[1],   &x->seed[2]};
+    double **modal[] = {&x->d,         &x->f[0],      &x->f[1],      &x->f[2],      &x->f[3],
+                        &x->motion[0], &x->motion[1], &x->motion[2], &x->motion[3], &x->motion[4],
+                        &x->next[0],   &x->next[1],   &x->seed[0],   &x->seed[1],   &x->seed[2]};
     double **of_inputs[] = {&x->u[0], &x->u[1], &x->u[2], &x->seed_u};
     for (size_t k = 0; k < sizeof modal / sizeof *modal; k++)
         *modal[k] = take(store, 1, n);
@@ -69,12 +70,15 @@ static void place_vectors(Instance *x, Store *store)
         double **coefficients[] = {&P->E11, &P->E12, &P->E21, &P->E22, &P->G0, &P->G1, &P->G2};
         for (size_t i = 0; i < sizeof coefficients / sizeof *coefficients; i++)
             *coefficients[i] = take(store, 1, n);
+        P->G3 = model->k > 0 ? take(store, 1, n) : NULL;
     }
+    x->N = take(store, model->k, n);
+    x->start = take(store, 2, padded(model->k));
     x->B = take(store, model->m, n);
     x->C = take(store, model->s, n);
     x->R = take(store, rows, inputs);
     x->R_in = take(store, x->feeds_through ? model->m : 0, inputs);
-    place_coupling(&x->coupling, store);
+    place_coupling(&x->coupling, store, model->k > 0);
     x->C_of = (double **)(void *)take(store, 1, padded(model->p)); /* nor does an address */
     x->R_of = (double **)(void *)take(store, 1, padded(model->p));
     x->through = (bool *)(void *)take(store, 1, padded(model->p));
@@ -92,12 +96,12 @@ static bool any_entry(const double *values, size_t count)
 static void copy_model(Instance *x)
 {
     const ReducedModel *model = x->model;
-    size_t r = model->r, m = model->m, row = 0;
-    for (size_t i = 0; i < r; i++)
+    size_t n = model->n, m = model->m, row = 0;
+    for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < m; j++)
             x->B[j * x->n + i] = model->B[i * m + j];
     for (size_t k = 0; k < model->s; k++)
-        memcpy(x->C + k * x->n, model->C + k * r, r * sizeof(double));
+        memcpy(x->C + k * x->n, model->C + k * n, n * sizeof(double));
     x->rows_only = true;
     for (size_t k = 0; k < model->p; k++) {
         Law law = model->laws[k];
@@ -115,7 +119,7 @@ Instance *new_instance(const ReducedModel *model, const Memory *memory)
 {
     size_t m = model->m;
     Instance started = {.model = model, .layout = layout(model), .kernels = best_kernels()};
-    started.n = padded(model->r);
+    started.n = padded(model->n);
     started.n_inputs = padded(m);
     started.feeds_through =
         model->residual || any_entry(model->R, model->s * m) || any_entry(model->R_in, m * m);

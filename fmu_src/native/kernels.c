@@ -68,6 +68,26 @@ INLINE double step_body(const Propagator *P, const double *restrict q, const dou
     return total(sum);
 }
 
+INLINE double step_cubic_body(const Propagator *P, const double *restrict q, const double *restrict v,
+                              double *const f[4], double *restrict q1, double *restrict v1, size_t n)
+{
+    const double *restrict E11 = P->E11, *restrict E12 = P->E12, *restrict E21 = P->E21,
+                           *restrict E22 = P->E22;
+    const double *restrict G0 = P->G0, *restrict G1 = P->G1, *restrict G2 = P->G2, *restrict G3 = P->G3;
+    const double *restrict f0 = f[0], *restrict f1 = f[1], *restrict f2 = f[2], *restrict f3 = f[3];
+    double sum[LANES] = {0};
+    for (size_t i = 0; i < n; i += LANES)
+        for (size_t k = 0; k < LANES; k++) {
+            size_t j = i + k;
+            q1[j] = flushed(E11[j] * q[j] + E12[j] * v[j] + G0[j] * f0[j] + G1[j] * f1[j] + G2[j] * f2[j] +
+                            G3[j] * f3[j]);
+            v1[j] = flushed(E21[j] * q[j] + E22[j] * v[j] + E12[j] * f0[j] + G0[j] * f1[j] + G1[j] * f2[j] +
+                            G2[j] * f3[j]);
+            sum[k] += q1[j] * q1[j] + v1[j] * v1[j];
+        }
+    return total(sum);
+}
+
 INLINE double dot_body(const double *restrict a, const double *restrict b, size_t n)
 {
     double sum[LANES] = {0};
@@ -135,6 +155,11 @@ INLINE void multiply_body(double *restrict C, const double *restrict A, const do
     {                                                                                                        \
         return step_body(P, q, v, f, q1, v1, n);                                                             \
     }                                                                                                        \
+    TARGET static double step_cubic_##NAME(const Propagator *P, const double *q, const double *v,            \
+                                           double *const f[4], double *q1, double *v1, size_t n)             \
+    {                                                                                                        \
+        return step_cubic_body(P, q, v, f, q1, v1, n);                                                       \
+    }                                                                                                        \
     TARGET static double step_held_##NAME(const Propagator *P, const double *q, const double *v,             \
                                           const double *f, double *q1, double *v1, size_t n)                 \
     {                                                                                                        \
@@ -158,8 +183,9 @@ INLINE void multiply_body(double *restrict C, const double *restrict A, const do
     {                                                                                                        \
         multiply_body(C, A, B, g, n);                                                                        \
     }                                                                                                        \
-    static const Kernels kernels_##NAME = {#NAME,          add_##NAME, step_##NAME,    step_held_##NAME,     \
-                                           outputs_##NAME, dot_##NAME, coupled_##NAME, multiply_##NAME};
+    static const Kernels kernels_##NAME = {                                                                  \
+        #NAME,          add_##NAME, step_##NAME,    step_cubic_##NAME, step_held_##NAME,                     \
+        outputs_##NAME, dot_##NAME, coupled_##NAME, multiply_##NAME};
 
 KERNELS(baseline, )
 

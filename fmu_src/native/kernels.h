@@ -29,6 +29,9 @@ typedef struct {
     /* q1 = E11 q + E12 v + G0 f + G1 f' + G2 f'', v1 alike; f holds f, f', f''. Returns |q1|2 + |v1|2. */
     double (*step)(const Propagator *P, const double *q, const double *v, double *const f[3], double *q1,
                    double *v1, size_t n);
+    /* The same with f''' too, by G3. */
+    double (*step_cubic)(const Propagator *P, const double *q, const double *v, double *const f[4],
+                         double *q1, double *v1, size_t n);
     /* The same for a force that is held: f' = f'' = 0. */
     double (*step_held)(const Propagator *P, const double *q, const double *v, const double *f, double *q1,
                         double *v1, size_t n);

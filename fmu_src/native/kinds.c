@@ -9,7 +9,12 @@
     }
 
 static const Kind ordinary_inputs[] = {
-    XYZ("force", POSITION), XYZ("moment", POSITION), {"pressure", POSITION}};
+    XYZ("force", POSITION),
+    XYZ("moment", POSITION),
+    {"pressure", POSITION},
+    XYZ("motion", ACCELERATION),
+    XYZ("angular_motion", ACCELERATION),
+};
 static const Kind gravity_inputs[] = {{"x", POSITION}, {"y", POSITION}, {"z", POSITION}};
 static const Kind base_inputs[] = {XYZ("acceleration", POSITION)};
 static const Kind ordinary_outputs[] = {
@@ -28,6 +33,7 @@ static const Kind ordinary_outputs[] = {
     {"stress.zx", POSITION},
     {"stress.mises", MISES},
     XYZ("reaction", REACTION),
+    XYZ("reaction_moment", REACTION),
 };
 static const Kind energies[] = {{"kinetic", KINETIC}, {"strain", STRAIN}};
 

@@ -6,7 +6,7 @@
 
 #include "model.h"
 
-/* Of an input the law means nothing. */
+/* The law of an input is ACCELERATION where that is prescribed, else it means nothing. */
 typedef struct {
     const char *name;
     Law law;

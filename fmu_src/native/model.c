@@ -6,7 +6,7 @@ size_t law_rows(Law law)
 {
     switch (law) {
     case REACTION:
-        return 2;
+        return 3;
     case MISES:
         return 6;
     case KINETIC:
@@ -17,9 +17,16 @@ size_t law_rows(Law law)
     }
 }
 
-double damping(const ReducedModel *model, size_t mode, double alpha, double beta)
+double damping(const ReducedModel *model, size_t i, double alpha, double beta)
 {
-    return alpha + beta * model->lam[mode] + model->D_rest[mode * model->r + mode];
+    return i < model->k ? 0.0 : alpha + beta * model->lam[i] + model->D_rest[i * model->n + i];
+}
+
+double drag(const ReducedModel *model, size_t i, size_t j, double alpha)
+{
+    return i < model->k
+               ? 0.0
+               : alpha * model->B[i * model->m + model->motions[j]] - model->D_rest[i * model->n + j];
 }
 
 double damping_ratio(double lam, double d)

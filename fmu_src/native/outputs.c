@@ -11,7 +11,7 @@ static bool can_follow(Law law)
     return law == POSITION || law == VELOCITY || law == MISES;
 }
 
-/* What an elastic mode that is off adds to R and R_in. */
+/* What an elastic mode, a place in x, that is off adds to R and R_in. */
 static void follow(Instance *x, size_t mode)
 {
     const ReducedModel *model = x->model;
@@ -35,7 +35,7 @@ void feed_through(Instance *x)
         memcpy(x->R + row * length, model->R + row * m, m * sizeof(double));
     for (size_t i = 0; i < m; i++)
         memcpy(x->R_in + i * length, model->R_in + i * m, m * sizeof(double));
-    for (size_t mode = x->active; model->residual && mode < model->r; mode++)
+    for (size_t mode = x->active; model->residual && mode < model->n; mode++)
         if (model->lam[mode] > 0.0)
             follow(x, mode);
     for (size_t k = 0; k < model->p; k++) {
@@ -45,13 +45,13 @@ void feed_through(Instance *x)
     }
 }
 
-/* q, q', q'' and u at an instant, or their derivatives, or the directions in which they move. */
+/* x, x', x'' and u at an instant, or their derivatives, or the directions in which they move. */
 typedef struct {
     double *const *q;
     const double *u;
 } Moment;
 
-/* The derivative of this order of everything at the present time; motion() must know what is asked of q. */
+/* The derivative of this order of everything at the present time; motion() must know what is asked of x. */
 static Moment moment(const Instance *x, size_t order)
 {
     return (Moment){x->motion + order, x->u[order]};
@@ -66,7 +66,17 @@ static double row_value(const Instance *x, size_t output, size_t row, const doub
     return value;
 }
 
-/* An output that is linear in q and u; u' has no part in it. */
+/* C3 (s + b s') of a reaction: of prescribed motions only. */
+static double elastic_value(const Instance *x, size_t output, const double *s, const double *rate, double b)
+{
+    const double *row = x->C_of[output] + 2 * x->n;
+    double value = 0.0;
+    for (size_t j = 0; j < x->model->k; j++)
+        value += row[j] * (s[j] + b * rate[j]);
+    return value;
+}
+
+/* An output that is linear in x and u; u' has no part in it. */
 static double linear_value(const Instance *x, size_t output, const Moment *at)
 {
     switch (x->model->laws[output]) {
@@ -78,7 +88,8 @@ static double linear_value(const Instance *x, size_t output, const Moment *at)
         return row_value(x, output, 0, at->q[2], at->u);
     default: /* REACTION */
         return row_value(x, output, 0, at->q[2], at->u) + row_value(x, output, 1, at->q[1], NULL) +
-               x->alpha * row_value(x, output, 0, at->q[1], NULL);
+               x->alpha * row_value(x, output, 0, at->q[1], NULL) +
+               elastic_value(x, output, at->q[0], at->q[1], x->beta);
     }
 }
 
@@ -91,16 +102,39 @@ static double mises_form(const double a[6], const double b[6])
     return 0.5 * normal + 3.0 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]);
 }
 
+/* The form of twice the kinetic energy: q'^T q' + 2 q'^T P s' + s'^T M_s s', P = -B_a. */
+static double kinetic_form(const Instance *x, const double *a, const double *b)
+{
+    const ReducedModel *model = x->model;
+    size_t k = model->k;
+    if (k == 0)
+        return x->kernels->dot(a, b, x->n_active);
+    double sum = 0.0;
+    for (size_t i = k; i < x->active; i++)
+        sum += a[i] * b[i];
+    for (size_t j = 0; j < k; j++) {
+        const double *B = x->B + model->motions[j] * x->n;
+        for (size_t i = k; i < x->active; i++)
+            sum -= B[i] * (a[i] * b[j] + a[j] * b[i]);
+        for (size_t i = 0; i < k; i++)
+            sum += a[i] * model->M_s[i * k + j] * b[j];
+    }
+    return sum;
+}
+
 /* The symmetric bilinear form F of an output that is quadratic: F/2 is an energy, F the square of mises. */
 static double form(const Instance *x, size_t output, const Moment *a, const Moment *b)
 {
     double sum = 0.0, stress[2][6];
     switch (x->model->laws[output]) {
     case KINETIC:
-        return x->kernels->dot(a->q[1], b->q[1], x->n_active);
+        return kinetic_form(x, a->q[1], b->q[1]);
     case STRAIN:
         for (size_t i = 0; i < x->active; i++)
             sum += a->q[0][i] * (x->model->lam[i] * b->q[0][i]);
+        for (size_t i = 0; i < x->model->k; i++)
+            for (size_t j = 0; j < x->model->k; j++)
+                sum += a->q[0][i] * x->model->K_s[i * x->model->k + j] * b->q[0][j];
         for (size_t j = 0; x->feeds_through && j < x->model->m; j++)
             sum += a->u[j] * x->kernels->dot(x->R_in + j * x->n_inputs, b->u, x->n_inputs);
         return sum;
@@ -119,7 +153,7 @@ static double divided(double half_rate, double s)
     return s > 0.0 ? half_rate / s : 0.0;
 }
 
-/* An output that is quadratic in q and u, or its derivative: with F of two derivatives of the motion,
+/* An output that is quadratic in x and u, or its derivative: with F of two derivatives of the motion,
  *
  *     (F/2)' = F01,  (F/2)'' = F11 + F02;   s = sqrt(F00),  s' = F01/s,  s'' = (F11 + F02 - s'^2)/s. */
 static double quadratic_value(const Instance *x, size_t output, size_t order)
@@ -197,10 +231,12 @@ double output_direction(const Instance *x, size_t output)
     const Moment direction = {x->seed, x->seed_u}, now = moment(x, 0);
     Law law = x->model->laws[output];
     if (law < MISES) {
-        double through_alpha = law == REACTION && x->seed_alpha != 0.0
-                                   ? x->seed_alpha * row_value(x, output, 0, x->motion[1], NULL)
-                                   : 0.0;
-        return linear_value(x, output, &direction) + through_alpha;
+        double value = linear_value(x, output, &direction);
+        if (law == REACTION && x->seed_alpha != 0.0)
+            value += x->seed_alpha * row_value(x, output, 0, x->motion[1], NULL);
+        if (law == REACTION && x->seed_beta != 0.0)
+            value += x->seed_beta * elastic_value(x, output, x->motion[1], x->motion[1], 0.0);
+        return value;
     }
     double half = form(x, output, &now, &direction);
     return law == MISES ? divided(half, sqrt(form(x, output, &now, &now))) : half;

@@ -85,6 +85,23 @@ bool check_ports(const Json *ports, PortSizes *sizes, const Memory *memory, Reas
     return check_unique(ports, memory, reason);
 }
 
+size_t prescribed_motions(const Json *ports, size_t *places)
+{
+    const Json *port = ports + 1;
+    size_t count = 0, input = 0;
+    for (size_t k = 0; k < ports->size; k++, port += port->span) {
+        const Json *list = json_member(port, "inputs");
+        const Kinds known = inputs_of_port(json_member(port, "name")->text);
+        for (size_t i = 0; i < list->size; i++, input++)
+            if (kind_of(list + 1 + i, &known)->law == ACCELERATION) {
+                if (places)
+                    places[count] = input;
+                count++;
+            }
+    }
+    return count;
+}
+
 /* Writes "port.force.x" for the variables of one port under a key and takes note of where each is. */
 static char *join_names(const Json *port, const char *key, char *bytes, const char **names)
 {

@@ -14,6 +14,10 @@ typedef struct {
  * have, none twice in a port. */
 INTERNAL bool check_ports(const Json *ports, PortSizes *sizes, const Memory *memory, Reason *reason);
 
+/* How many inputs of checked ports prescribe an acceleration; `places`, if it is given, becomes the places of
+ * these among the inputs. */
+INTERNAL size_t prescribed_motions(const Json *ports, size_t *places);
+
 /* Writes the names "port.force.x" of checked ports into `bytes` and where they are, and the laws of outputs.
  */
 INTERNAL void name_variables(const Json *ports, char *bytes, const char **inputs, const char **outputs,

@@ -27,10 +27,12 @@ static double other_value(Instance *x, Group group, size_t place)
         return x->alpha;
     case BETA:
         return x->beta;
+    case START:
+        return x->start[place];
     case FREQUENCY:
-        return sqrt(x->model->lam[place]) / TWO_PI;
+        return sqrt(x->model->lam[x->model->k + place]) / TWO_PI;
     case DAMPING_RATIO:
-        return damping_ratio(x->model->lam[place], x->d[place]);
+        return damping_ratio(x->model->lam[x->model->k + place], x->d[x->model->k + place]);
     case AMPLITUDE:
         return motion(x, 0)[0][place];
     case MODAL_VELOCITY:

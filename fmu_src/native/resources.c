@@ -9,7 +9,7 @@
 #include <string.h>
 
 #define HEADER_LIMIT ((size_t)1 << 24) /* bytes of model.json: some hundred thousand ports */
-#define ARRAY_COUNT 6
+#define ARRAY_COUNT 8
 
 /* One array: its key in model.json, its shape, and where the model has it. */
 typedef struct {
@@ -67,7 +67,7 @@ static bool read_array(const Json *arrays, Array *array, const Files *files, con
     const Json *entry = expected_member(arrays, array->key, JSON_OBJECT, reason);
     if (!entry || !has_shape(entry, array, reason))
         return false;
-    uint64_t size = (uint64_t)array->shape[0] * array->shape[1] * sizeof(double); /* r <= 2^28; m, s < 2^27 */
+    uint64_t size = (uint64_t)array->shape[0] * array->shape[1] * sizeof(double); /* n <= 2^28; m, s < 2^27 */
     if (size > ARRAY_LIMIT)
         return refuse(reason, HEADER ": %s: got the shape %zu x %zu, expected at most %zu bytes; " AGAIN,
                       array->key, array->shape[0], array->shape[1], ARRAY_LIMIT);
@@ -92,38 +92,66 @@ static bool is_symmetric(const double *A, size_t n)
     return true;
 }
 
-/* 0 <= lambda ascending; D_rest symmetric with a diagonal >= 0, R_in symmetric; lambda > 0 for a static
- * start.
- */
+/* A matrix that is symmetric with a diagonal >= 0. */
+static bool check_form(const char *key, const double *A, size_t n, Reason *reason)
+{
+    for (size_t i = 0; i < n; i++)
+        if (A[i * n + i] < 0.0)
+            return refuse(reason, "model/%s.npy: expected a diagonal >= 0; " AGAIN, key);
+    return is_symmetric(A, n) || refuse(reason, "model/%s.npy: expected a symmetric matrix; " AGAIN, key);
+}
+
+/* What the rows and columns of prescribed motions hold. */
+static bool check_motions(const ReducedModel *model, Reason *reason)
+{
+    size_t k = model->k, n = model->n;
+    for (size_t i = 0; i < k; i++) {
+        if (model->lam[i] != 0.0)
+            return refuse(reason, "model/lam.npy: expected 0 for the %zu prescribed motions; " AGAIN, k);
+        for (size_t j = 0; j < model->m; j++)
+            if (model->B[i * model->m + j] != (j == model->motions[i] ? 1.0 : 0.0))
+                return refuse(reason,
+                              "model/B.npy: expected in row %zu 1 for its own acceleration, else 0; " AGAIN,
+                              i + 1);
+    }
+    const double *row = model->C;
+    for (size_t output = 0; output < model->p; row += law_rows(model->laws[output++]) * n)
+        for (size_t j = k; model->laws[output] == REACTION && j < n; j++)
+            if (row[2 * n + j] != 0.0)
+                return refuse(reason,
+                              "model/C.npy: expected 0 for modes in the third row of a reaction; " AGAIN);
+    return true;
+}
+
+/* 0 <= lambda ascending; lambda > 0 of the modes for a static start; matrices as they are described. */
 static bool check_values(const ReducedModel *model, Reason *reason)
 {
     const double *lam = model->lam;
-    size_t r = model->r;
-    for (size_t i = 0; i < r; i++) {
+    for (size_t i = 0; i < model->n; i++)
         if (lam[i] < (i > 0 ? lam[i - 1] : 0.0))
             return refuse(reason, "model/lam.npy: expected eigenvalues >= 0 in ascending order; " AGAIN);
-        if (model->D_rest[i * r + i] < 0.0)
-            return refuse(reason, "model/D_rest.npy: expected a diagonal >= 0; " AGAIN);
-    }
-    if (!is_symmetric(model->D_rest, r))
-        return refuse(reason, "model/D_rest.npy: expected a symmetric matrix; " AGAIN);
+    if (!check_form("D_rest", model->D_rest, model->n, reason) ||
+        !check_form("M_s", model->M_s, model->k, reason) ||
+        !check_form("K_s", model->K_s, model->k, reason) || !check_motions(model, reason))
+        return false;
     if (!is_symmetric(model->R_in, model->m))
         return refuse(reason, "model/R_in.npy: expected a symmetric matrix; " AGAIN);
-    return !(model->initial_static && lam[0] == 0.0) ||
+    return !(model->initial_static && lam[model->k] == 0.0) ||
            refuse(reason, HEADER ": got a static start with a rigid mode, expected lam > 0; " AGAIN);
 }
 
 static bool read_arrays(const Json *header, ReducedModel *model, const Files *files, const Memory *memory,
                         Reason *reason)
 {
-    size_t r = model->r, m = model->m, s = model->s;
+    size_t n = model->n, m = model->m, s = model->s, k = model->k;
     Array arrays[ARRAY_COUNT] = {
-        {"lam", 1, {r, 1}, &model->lam}, {"D_rest", 2, {r, r}, &model->D_rest},
-        {"B", 2, {r, m}, &model->B},     {"C", 2, {s, r}, &model->C},
+        {"lam", 1, {n, 1}, &model->lam}, {"D_rest", 2, {n, n}, &model->D_rest},
+        {"B", 2, {n, m}, &model->B},     {"C", 2, {s, n}, &model->C},
         {"R", 2, {s, m}, &model->R},     {"R_in", 2, {m, m}, &model->R_in},
+        {"M_s", 2, {k, k}, &model->M_s}, {"K_s", 2, {k, k}, &model->K_s},
     };
-    for (size_t k = 0; k < ARRAY_COUNT; k++)
-        if (!read_array(json_member(header, "arrays"), &arrays[k], files, memory, reason))
+    for (size_t i = 0; i < ARRAY_COUNT; i++)
+        if (!read_array(json_member(header, "arrays"), &arrays[i], files, memory, reason))
             return false;
     return check_values(model, reason);
 }
@@ -165,8 +193,8 @@ const ReducedModel *read_model(const Files *files, const Memory *memory, Reason 
 
 void free_model(const ReducedModel *model, const Memory *memory)
 {
-    const double *const arrays[ARRAY_COUNT] = {model->lam, model->D_rest, model->B,
-                                               model->C,   model->R,      model->R_in};
+    const double *const arrays[ARRAY_COUNT] = {model->lam, model->D_rest, model->B,   model->C,
+                                               model->R,   model->R_in,   model->M_s, model->K_s};
     for (size_t k = 0; k < ARRAY_COUNT; k++)
         if (arrays[k])
             memory->release((void *)arrays[k]);

@@ -2,8 +2,8 @@
 
 Layout layout(const ReducedModel *model)
 {
-    size_t r = model->r;
-    const size_t sizes[NO_VARIABLE] = {model->m, model->p, 1, 1, r, r, r, r, r, r};
+    size_t k = model->k, r = model->r, n = model->n;
+    const size_t sizes[NO_VARIABLE] = {model->m, model->p, 1, 1, 2 * k, r, r, n, n, n, n};
     Layout found = {{0}};
     for (int group = INPUT; group < NO_VARIABLE; group++)
         found.start[group + 1] = found.start[group] + sizes[group];

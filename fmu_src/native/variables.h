@@ -10,9 +10,10 @@ typedef enum {
     OUTPUT,
     ALPHA,
     BETA,
+    START, /* of s, then of s' */
     FREQUENCY,
     DAMPING_RATIO,
-    AMPLITUDE,
+    AMPLITUDE, /* the coordinates x = [s; q]; and so on */
     MODAL_VELOCITY,
     AMPLITUDE_RATE,
     VELOCITY_RATE,

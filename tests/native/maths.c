@@ -38,62 +38,64 @@ size_t usable_kernels(const Kernels *tables[3])
     return count;
 }
 
-/* One set of coefficients, (7, r): E11, E12, E21, E22, G0, G1, G2. */
+/* One set of coefficients, (8, r): E11, E12, E21, E22, G0, G1, G2, G3. */
 void coefficients(const double *lam, const double *d, size_t r, double h, double *out)
 {
-    Propagator P = {h, out, out + r, out + 2 * r, out + 3 * r, out + 4 * r, out + 5 * r, out + 6 * r};
+    Propagator P = {h,           out,         out + r,     out + 2 * r, out + 3 * r,
+                    out + 4 * r, out + 5 * r, out + 6 * r, out + 7 * r};
     propagator(&P, lam, d, r, h);
 }
 
-/* One set of coefficients of g coupled modes, (5, g, g): E12, E22 - I, G0, G1, G2; D: (g, g). */
+/* One set of coefficients of g coupled modes, (6, g, g): E12, E22 - I, G0, G1, G2, G3; D: (g, g). */
 void coupled_coefficients_of(const double *lam, const double *D, size_t g, double h, const Kernels *kernels,
                              double *out)
 {
-    const size_t n = (g + LANES - 1) / LANES * LANES, matrices = COUPLED_SCRATCH + 6;
+    const size_t n = (g + LANES - 1) / LANES * LANES, matrices = COUPLED_SCRATCH + 7;
     double *block = aligned_alloc(64, matrices * n * n * sizeof(double)), *scratch[COUPLED_SCRATCH];
-    double *place[COUPLED_SCRATCH + 6];
+    double *place[COUPLED_SCRATCH + 7];
     for (size_t k = 0; k < matrices; k++)
         place[k] = block + k * n * n;
     memset(block, 255, matrices * n * n * sizeof(double)); /* no number: what was there before */
     for (size_t j = 0; j < n; j++)
         for (size_t i = 0; i < n; i++)
             place[0][j * n + i] = i < g && j < g ? D[j * g + i] : 0.0;
-    memcpy(scratch, place + 6, sizeof scratch);
-    CoupledPropagator P = {place[1], place[2], place[3], place[4], place[5]};
+    memcpy(scratch, place + 7, sizeof scratch);
+    CoupledPropagator P = {place[1], place[2], place[3], place[4], place[5], place[6]};
     coupled_propagator(&P, lam, place[0], g, h, kernels, scratch);
-    double *const found[] = {P.E12, P.N, P.G0, P.G1, P.G2};
-    for (size_t k = 0; k < 5; k++)
+    double *const found[] = {P.E12, P.N, P.G0, P.G1, P.G2, P.G3};
+    for (size_t k = 0; k < 6; k++)
         for (size_t i = 0; i < g; i++)
             for (size_t j = 0; j < g; j++)
                 out[(k * g + i) * g + j] = found[k][j * n + i];
     free(block);
 }
 
-/* What the run is made of; all arrays as in model.h. u: (steps, 3, m) inputs and their rates, h: (steps),
- * active: (steps). */
+/* What the run is made of; all arrays as in model.h. start: (2k), u: (steps, 3, m) inputs and their rates,
+ * h: (steps), active: (steps). */
 typedef struct {
-    size_t r, m, p, s, steps;
-    const double *lam, *D_rest, *B, *C, *R, *R_in, *u, *h;
+    size_t k, n, m, p, s, steps;
+    const double *lam, *D_rest, *B, *C, *R, *R_in, *M_s, *K_s, *start, *u, *h;
+    const size_t *motions;
     const int *laws, *active;
     double alpha, beta;
     int initial_static, residual, held;
 } Run;
 
-/* motions: (5, r) q and its derivatives; outputs: (3, p) y and its derivatives. */
+/* motions: (5, n) x and its derivatives; outputs: (3, p) y and its derivatives. */
 static void record(Instance *x, double *motions, double *outputs)
 {
-    size_t r = x->model->r, p = x->model->p;
+    size_t n = x->model->n, p = x->model->p;
     unsigned int references[MOST_OUTPUTS];
     double *const *q = motion(x, 4);
     for (size_t order = 0; order < 5; order++)
-        memcpy(motions + order * r, q[order], r * sizeof(double));
+        memcpy(motions + order * n, q[order], n * sizeof(double));
     for (size_t k = 0; k < p; k++)
         references[k] = (unsigned int)(x->layout.start[OUTPUT] + k);
     for (size_t order = 0; order <= RATES; order++)
         output_values(x, order, references, p, outputs + order * p);
 }
 
-/* The steps one after the other; motions: (1 + steps, 5, r), outputs: (1 + steps, 3, p), the first ones
+/* The steps one after the other; motions: (1 + steps, 5, n), outputs: (1 + steps, 3, p), the first ones
  * before any step, with the inputs of the first step. Gives the number of steps made. */
 size_t run_steps(const Run *run, double *motions, double *outputs)
 {
@@ -103,7 +105,9 @@ size_t run_steps(const Run *run, double *motions, double *outputs)
     for (size_t k = 0; k < run->p; k++)
         laws[k] = (Law)run->laws[k];
     const ReducedModel model = {.name = "run",
-                                .r = run->r,
+                                .k = run->k,
+                                .r = run->n - run->k,
+                                .n = run->n,
                                 .m = run->m,
                                 .p = run->p,
                                 .s = run->s,
@@ -115,6 +119,9 @@ size_t run_steps(const Run *run, double *motions, double *outputs)
                                 .C = run->C,
                                 .R = run->R,
                                 .R_in = run->R_in,
+                                .M_s = run->M_s,
+                                .K_s = run->K_s,
+                                .motions = run->motions,
                                 .inputs = names,
                                 .laws = laws,
                                 .residual = run->residual != 0,
@@ -127,6 +134,8 @@ size_t run_steps(const Run *run, double *motions, double *outputs)
         return 0;
     for (size_t j = 0; run->steps > 0 && j < run->m; j++)
         set_input(x, j, run->u[j]);
+    for (size_t j = 0; j < 2 * run->k; j++)
+        set_start(x, j, run->start[j]);
     if (end_initialisation(x, &reason)) {
         record(x, motions, outputs);
         for (; made < run->steps; made++) {
@@ -140,7 +149,7 @@ size_t run_steps(const Run *run, double *motions, double *outputs)
             if (advance_instance(x, time, run->h[made], &reason) != STEP_MADE)
                 break;
             time += run->h[made];
-            record(x, motions + (1 + made) * 5 * run->r, outputs + (1 + made) * 3 * run->p);
+            record(x, motions + (1 + made) * 5 * run->n, outputs + (1 + made) * 3 * run->p);
         }
     }
     free_instance(x, &memory);
