@@ -81,7 +81,7 @@ def _check_own(A: Floats, names: Sequence[tuple[str, str]]) -> None:
 
 
 def _doubt_many(others: csr_array) -> None:
-    most = int(np.max(np.diff(others.indptr), initial=0))
+    most = 1 + int(np.max(np.diff(others.indptr), initial=0))
     if most > MANY:
         warning(
             f"a prescribed motion couples the {most} DOFs of its port with each other, which costs memory "

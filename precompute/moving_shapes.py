@@ -34,14 +34,20 @@ def moving_shapes(held: Constrained, system: System, fixed: Ints, solve: StaticS
     Structures, 2nd ed., 26-3 (pseudostatic displacements).
     """
     R = rigid_modes(system, fixed)
-    WR = held.W @ R
-    size = np.sqrt(np.asarray(held.W.multiply(held.W).sum(axis=1)).ravel())
-    A = WR / size[:, None]
-    C = np.linalg.pinv(A, rcond=HELD) / size
-    reached = np.linalg.svd(A, compute_uv=False)
-    whole = np.sum(reached > HELD * np.max(reached, initial=0.0)) == len(A)
-    X = held.P @ (np.zeros((len(A), len(A))) if whole else np.eye(len(A)) - WR @ C)
+    C, E = _rigid_share(held, R)
+    X = held.P @ E
     X = X - held.T @ solve(held.T.T @ (system.K @ X))
     Psi = R @ C + X
     left = held.T @ solve.rigid
     return MovingShapes(Psi - left @ (left.T @ (system.M @ Psi)), X)
+
+
+def _rigid_share(held: Constrained, R: Floats) -> tuple[Floats, Floats]:
+    """C = (W R)⁺ (r, k) and E = I − W R C (k, k), each motion against the largest that R could make of it."""
+    WR = held.W @ R
+    rows, columns = np.asarray(abs(held.W).sum(axis=1)), np.abs(R).max(axis=0)
+    U, size, Vt = np.linalg.svd(WR / rows[:, None] / columns, full_matrices=False)
+    reached = size > HELD
+    C = (Vt[reached].T / size[reached]) @ U[:, reached].T / rows / columns[:, None]
+    k = len(rows)
+    return C, np.zeros((k, k)) if reached.sum() == k else np.eye(k) - WR @ C

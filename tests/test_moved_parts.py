@@ -1,0 +1,269 @@
+"""Whole parts whose ports are moved: against moving supports, closed forms, and the same part pushed."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from moved_responses import responses
+from small_part import CELLS, DENSITY, LENGTH, WIDTH, YOUNG, write_part
+
+from fmu_src.runtime.instance import Instance
+from fmu_src.runtime.model import ReducedModel
+from precompute.arrays import Floats
+from precompute.oscillators import Complexes
+from precompute.part import read_part
+from precompute.pipeline import Reduction, reduce_part
+
+AREA = WIDTH**2
+MASS = DENSITY * AREA * LENGTH
+SUPPORT = '[[support]]\nat = { plane = { normal = "x", at = 0.0 } }\nfix = ["x", "y", "z"]\n'
+INPUTS = 'inputs = ["force.x", "force.z"]'
+OUTPUTS = 'outputs = ["displacement.x", "displacement.z", "velocity.z"]'
+RATIO = "[damping]\nratio = 0.02\n"
+MODES = "[modes]\ncount = 8\n"
+SIX = '["motion.x", "motion.y", "motion.z", "angular_motion.x", "angular_motion.y", "angular_motion.z"]'
+
+
+def root(inputs: str, outputs: str = "[]", more: str = "") -> str:
+    """A port at the end x = 0."""
+    return (
+        '[[port]]\nname = "root"\nat = { plane = { normal = "x", at = 0.0 } }\n'
+        f"inputs = {inputs}\noutputs = {outputs}\n{more}\n"
+    )
+
+
+def reduced(folder: Path, *changes: tuple[str, str], certified: bool = False) -> Reduction:
+    folder.mkdir(exist_ok=True)
+    return reduce_part(read_part(write_part(folder, *changes)), certified=certified)
+
+
+def run(model: ReducedModel, inputs: list[dict[str, float]], h: float) -> dict[str, Floats]:
+    """Every output after steps of h under these inputs, (steps,)."""
+    instance = Instance(model)
+    instance.initialising = False
+    found = []
+    for k, given in enumerate(inputs):
+        u = np.array([given.get(name, 0.0) for name in model.inputs])
+        instance.set_inputs(np.arange(len(u)), u)
+        assert instance.advance(k * h, h) is None
+        found.append(instance.reals()[instance.layout.outputs].copy())
+    return dict(zip(model.outputs, np.transpose(found), strict=True))
+
+
+class TestMovingSupport:
+    """A clamp that the base moves is a rigid port whose six motions are prescribed."""
+
+    MEASURED = (
+        OUTPUTS,
+        'outputs = ["displacement.x", "displacement.z", "velocity.z", "stress.xx", "stress.zx"]',
+    )
+    ABSOLUTE = (OUTPUTS, MEASURED[1].replace("]", ', "absolute_acceleration.x", "absolute_acceleration.z"]'))
+    RELATIVE = (OUTPUTS, MEASURED[1].replace("]", ', "acceleration.x", "acceleration.z"]'))
+    REACTIONS = '["reaction.x", "reaction.z", "displacement.x", "displacement.z", "velocity.z"]'
+
+    @pytest.mark.parametrize("modes", [MODES, "[modes]\ncount = 3\nresidual = true\n"])
+    @pytest.mark.parametrize("damping", [RATIO, "[damping]\nbeta = 2e-6\n"])
+    def test_is_a_moved_port(self, tmp_path: Path, damping: str, modes: str) -> None:
+        """Few modes, residuals: stresses, motions relative to the clamp, its force on the part."""
+        choice, energy = ((RATIO, damping), (MODES, modes)), '[energy]\noutputs = ["strain"]\n'
+        clamp = SUPPORT + 'name = "clamp"\noutputs = ["reaction.x", "reaction.z"]\n'
+        loads = '[loads]\nbase = ["x", "z"]\ngravity = true\n' + energy
+        base = reduced(
+            tmp_path, (SUPPORT, clamp), self.ABSOLUTE, *choice, ("[modes]", loads + "[modes]")
+        ).model
+        port = root(SIX, self.REACTIONS, 'kind = "rigid"') + "[loads]\ngravity = true\n" + energy
+        moved = reduced(tmp_path, (SUPPORT, ""), self.RELATIVE, *choice, ("[modes]", port + "[modes]")).model
+        np.testing.assert_allclose(moved.frequency, base.frequency, rtol=1e-12)
+
+        rng = np.random.default_rng(0)
+        values = rng.standard_normal((40, 4)) * [3.0, 2.0, 500.0, 4.0]
+        h = 0.3 / base.frequency[0]
+        by_base = run(base, [named(v, "base.acceleration") for v in values], h)
+        by_port = run(moved, [named(v, "root.motion") for v in values], h)
+        for axis in "xz":
+            pairs = [
+                (by_port[f"tip.acceleration.{axis}"], by_base[f"tip.absolute_acceleration.{axis}"]),
+                (by_port[f"root.reaction.{axis}"], by_base[f"clamp.reaction.{axis}"]),
+            ]
+            for found, wanted in pairs:
+                np.testing.assert_allclose(found, wanted, atol=1e-10 * np.abs(wanted).max())
+            own = by_port[f"tip.displacement.{axis}"] - by_port[f"root.displacement.{axis}"]
+            wanted = by_base[f"tip.displacement.{axis}"]
+            # the port travels far: rounding of its way, not of the deformation
+            np.testing.assert_allclose(
+                own, wanted, atol=1e-14 * np.abs(by_port[f"root.displacement.{axis}"]).max()
+            )
+            assert np.abs(wanted).max() > 0
+        for name in ("tip.stress.xx", "tip.stress.zx", "energy.strain"):
+            scale = np.abs(by_base[name]).max()
+            np.testing.assert_allclose(by_port[name], by_base[name], atol=1e-9 * scale)
+            assert scale > 0
+
+
+def named(values: Floats, mover: str) -> dict[str, float]:
+    names = (f"{mover}.x", f"{mover}.z", "tip.force.z", "gravity.z")
+    return dict(zip(names, values.tolist(), strict=True))
+
+
+class TestUniformBar:
+    """One end driven along a bar with ν = 0, whose sections stay plane: linear elements in one dimension."""
+
+    def dynamic_mass(self, omega: float, beta: float = 0.0) -> complex:
+        """r/a of the consistent elements: u_j = cos κ(L − x_j)/cos κL, ω²ρh²(2 + cos κh) = 6E(1 − cos κh)."""
+        h, E = LENGTH / CELLS, YOUNG * (1 + 1j * omega * beta)
+        c = omega**2 * DENSITY * h**2 / (6 * E)
+        kappa = np.arccos((1 - 2 * c) / (1 + c)) / h
+        u = np.cos(kappa * (LENGTH - np.array([0, h]))) / np.cos(kappa * LENGTH)
+        force = E * AREA / h * (u[0] - u[1]) - omega**2 * DENSITY * AREA * h / 6 * (2 * u[0] + u[1])
+        return complex(force / (-(omega**2) * u[0]))
+
+    def model(self, folder: Path, count: int, damping: str = "[damping]\nbeta = 1e-5\n") -> ReducedModel:
+        port = root('["motion.x"]', '["reaction.x"]')
+        changes = ((SUPPORT, ""), (RATIO, damping), (MODES, port + f"[modes]\ncount = {count}\n"))
+        return reduced(folder, *changes).model
+
+    def test_reaction_at_every_frequency(self, tmp_path: Path) -> None:
+        model = self.model(tmp_path, 83)  # 84 DOFs
+        for f in (1.0, 500.0, 1290.0, 5000.0, 12000.0):
+            omega = 2 * np.pi * f
+            row = model.outputs.index("root.reaction.x")
+            found = responses(model, omega)[row, model.inputs.index("root.motion.x")]
+            assert found == pytest.approx(self.dynamic_mass(omega, 1e-5), rel=1e-8)
+        # it is the bar's, m tan(kL)/kL, where elements are short against the wave
+        k = 2 * np.pi * 500 * np.sqrt(DENSITY / YOUNG)
+        assert self.dynamic_mass(2 * np.pi * 500) == pytest.approx(
+            MASS * np.tan(k * LENGTH) / (k * LENGTH), rel=5e-3
+        )
+
+    def test_few_modes_carry_the_whole_mass(self, tmp_path: Path) -> None:
+        """What no mode moves, Ψ does: m at rest, with the rigid modes and one elastic one of 78."""
+        model = self.model(tmp_path, 6, "[damping]\nratio = 0.01\n")
+        assert model.M_s[0, 0] == pytest.approx(MASS, rel=1e-12)
+        assert not model.K_s.any()
+        assert np.count_nonzero(model.frequency == 0) == 5
+        found = responses(model, 2.0)[-1, -1]
+        assert found == pytest.approx(MASS, rel=1e-6)
+
+
+EDGE = """[[support]]
+name = "edge"
+at = { box = [[0.0, 0.0, 0.0], [0.0, 0.1, 0.0]] }
+fix = ["y", "z"]
+outputs = ["reaction.z"]
+"""
+FAR = EDGE.replace("[[0.0, 0.0, 0.0], [0.0, 0.1, 0.0]]", "[[1.0, 0.0, 0.0], [1.0, 0.1, 0.0]]")
+FAR = FAR.replace('fix = ["y"', 'fix = ["x", "y"')
+MIDDLE = """[[port]]
+name = "middle"
+at = { plane = { normal = "x", at = 0.5 } }
+inputs = [FORCES]
+outputs = ["rotation.y", "velocity.x", "stress.xx", "displacement.z"REACTIONS]
+
+[[pair]]
+name = "gap"
+ports = ["root", "tip"]
+outputs = ["velocity.z"]
+"""
+ELEMENTS = """
+[[spring]]
+port = "tip"
+direction = "z"
+stiffness = 1e6
+
+[[spring]]
+port = "root"
+direction = "x"
+stiffness = 2e7
+
+[[dashpot]]
+port = "tip"
+to = "middle"
+direction = "z"
+damping = 3e3
+
+[[dashpot]]
+port = "root"
+direction = "x"
+damping = 5e3
+
+[[mass]]
+port = "root"
+mass = 3.0
+
+[loads]
+gravity = true
+base = ["x", "z"]
+
+"""
+MATERIAL = (f"density = {DENSITY}", f"density = {DENSITY}\nalpha = 20.0\nbeta = 3e-6")
+
+
+class TestPushedAndMoved:
+    """A part pushed by the reactions that it has when it is moved moves so, and all else is the same.
+
+    With all modes, at any frequency: H_moved = H_pushed [1/Y, …] with Y the accelerations per force.
+    """
+
+    MOVED = ("root.motion.x", "root.motion.z", "root.angular_motion.y", "middle.motion.x")
+    PUSHED = ("root.force.x", "root.force.z", "root.moment.y", "middle.force.x")
+    FOLLOWED = (
+        *("root.acceleration.x", "root.acceleration.z", "root.angular_acceleration.y"),
+        "middle.acceleration.x",
+    )
+
+    def pair(self, folder: Path, support: str, kind: str, elements: str, free: int) -> list[ReducedModel]:
+        found = []
+        for moved in (False, True):
+            inputs = [name.split(".", 1)[1] for name in (self.MOVED if moved else self.PUSHED)]
+            outputs = [name.split(".", 1)[1] for name in self.FOLLOWED]
+            reactions = ["reaction.x", "reaction.z", "reaction_moment.y"] if moved else []
+            port = root(str(inputs[:3]), str([*outputs[:3], "displacement.z", *reactions]), kind)
+            middle = MIDDLE.replace("FORCES", f'"{inputs[3]}", "moment.y"')
+            middle = middle.replace("REACTIONS", ', "acceleration.x"' + ', "reaction.x"' * moved)
+            text = f"{port}{middle}{elements}[modes]\ncount = {free - 4 * moved}\n"
+            changes = [MATERIAL, (SUPPORT, support), (MODES, text)]
+            changes += [(RATIO, "[damping]\nalpha = 30.0\nbeta = 1e-6\n")]
+            if "base" in elements:
+                changes += [(OUTPUTS, OUTPUTS.replace("]", ', "absolute_acceleration.z"]'))]
+            found.append(reduced(folder / str(moved), *changes).model)
+        return found
+
+    @pytest.mark.parametrize(
+        ("support", "kind", "elements", "free"),
+        [
+            ("", "", "", 84),
+            ("", 'kind = "rigid"', ELEMENTS, 78),
+            (EDGE, "", ELEMENTS, 80),
+            (FAR, "", ELEMENTS, 78),
+        ],
+        ids=["free", "rigid port", "partly held port", "held at the other end"],
+    )
+    def test_at_every_frequency(
+        self, tmp_path: Path, support: str, kind: str, elements: str, free: int
+    ) -> None:
+        pushed, moved = self.pair(tmp_path, support, kind, elements, free)
+        driven = [moved.inputs.index(name) for name in self.MOVED]
+        pushing = [pushed.inputs.index(name) for name in self.PUSHED]
+        others = [name for name in moved.inputs if name not in self.MOVED]
+        first, second = ([of.inputs.index(name) for name in others] for of in (pushed, moved))
+        both = [name for name in pushed.outputs if not name.startswith("energy")]
+        rows, same = ([of.outputs.index(name) for name in both] for of in (pushed, moved))
+        followed = [both.index(name) for name in self.FOLLOWED]
+        reaction = ("root.reaction.x", "root.reaction.z", "root.reaction_moment.y", "middle.reaction.x")
+        felt = [moved.outputs.index(name) for name in reaction]
+        for f in (3.0, 150.0, 900.0, 7000.0):
+            Y, H = responses(pushed, 2 * np.pi * f)[rows], responses(moved, 2 * np.pi * f)
+            Z = np.linalg.inv(Y[np.ix_(followed, pushing)])
+            by_motion, by_others = Y[:, pushing] @ Z, Y[np.ix_(followed, first)]
+            compare(H[np.ix_(felt, driven)], Z, np.abs(Z))
+            compare(H[np.ix_(felt, second)], -Z @ by_others, np.abs(Z) @ np.abs(by_others))
+            compare(H[np.ix_(same, driven)], by_motion, np.abs(Y[:, pushing]) @ np.abs(Z))
+            held = np.abs(Y[:, first]) + np.abs(by_motion) @ np.abs(by_others)
+            compare(H[np.ix_(same, second)], Y[:, first] - by_motion @ by_others, held)
+
+
+def compare(found: Complexes, wanted: Complexes, terms: Floats) -> None:
+    """Row by row, as outputs have units of their own, beside what is summed; κ(K) times rounding."""
+    scale = terms.max(axis=1, keepdims=True, initial=0.0)
+    worst = np.max(np.abs(found - wanted) / (scale + (scale == 0)), axis=1)
+    np.testing.assert_array_less(worst, 1e-8)
