@@ -47,7 +47,7 @@ def basis_modes(
     Raises EigenError, ZeroEnergyError: what the kinds raise.
     """
     system, fixed = solve.system, np.flatnonzero(solve.held)
-    if basis.kind == "modal":
+    if basis.kind == "modal" or (basis.kind == "craig-bampton" and _moved_only(interface, solve)):
         return solve_modes(
             system,
             fixed,
@@ -72,6 +72,11 @@ def basis_modes(
     else:
         V, words = _from_file(basis, solve, held, where), "vectors of a file"
     return _lowest(reduced_modes(V, system, solve.rigid, words, where), count, max_frequency)
+
+
+def _moved_only(interface: Interface, solve: StaticSolver) -> bool:
+    """Whether ports are moved and nothing else is done there: these are held already."""
+    return interface.moved is not None and interface_motions(interface, solve).shape[1] == 0
 
 
 def _from_file(basis: Basis, solve: StaticSolver, held: Constrained, where: Where) -> Floats:

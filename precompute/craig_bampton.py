@@ -26,7 +26,7 @@ def interface_motions(interface: Interface, solve: StaticSolver) -> Floats:
     """The columns w of W: the motions wᵀu of the ports that their forces, moments and outputs use: (n, k).
 
     Orthonormal; those that depend on others, such as the same motion as input and output, are there once.
-    Raises EigenError: none.
+    Raises EigenError: none, and no motion is prescribed either.
     """
     loads = [key.split(".")[0] in LOADS for port in interface.ports for key in port.inputs]
     W = np.column_stack(
@@ -37,7 +37,7 @@ def interface_motions(interface: Interface, solve: StaticSolver) -> Floats:
     )
     W[solve.held] = 0.0
     W = orthonormal(W, csr_array(identity(len(W), format="csr")))
-    if W.shape[1] == 0:
+    if W.shape[1] == 0 and interface.moved is None:
         raise EigenError(
             'basis: kind = "craig-bampton" needs a port with forces, moments or motions, and not held; '
             "add one"
