@@ -135,7 +135,8 @@ def certificate_plot(certificate: Certificate) -> bytes:
     """error(f) of each pair of kinds, as a PNG picture."""
     from matplotlib.figure import Figure  # half a second that other commands need not wait
 
-    figure = Figure(figsize=(9.0, 4.5), layout="constrained")
+    high = max(4.5, 0.2 * len(certificate.comparisons))  # the legend has a line for each
+    figure = Figure(figsize=(9.0, high), layout="constrained")
     axes = figure.subplots()
     for c in certificate.comparisons:
         axes.semilogy(certificate.frequency, c.error, label=f"{c.output} per {c.input}", linewidth=1.2)

@@ -10,9 +10,12 @@ from small_part import CELLS, DENSITY, LENGTH, WIDTH, YOUNG, write_part
 from fmu_src.runtime.instance import Instance
 from fmu_src.runtime.model import ReducedModel
 from precompute.arrays import Floats
+from precompute.fmu_face import read_face
 from precompute.oscillators import Complexes
 from precompute.part import read_part
-from precompute.pipeline import Reduction, reduce_part
+from precompute.pipeline import Reduction, package, reduce_part
+from precompute.shape import deformed_points, read_shape
+from precompute.simulation import simulate
 
 AREA = WIDTH**2
 MASS = DENSITY * AREA * LENGTH
@@ -267,3 +270,24 @@ def compare(found: Complexes, wanted: Complexes, terms: Floats) -> None:
     scale = terms.max(axis=1, keepdims=True, initial=0.0)
     worst = np.max(np.abs(found - wanted) / (scale + (scale == 0)), axis=1)
     np.testing.assert_array_less(worst, 1e-8)
+
+
+def test_the_deformed_shape_moves_with_the_port(tmp_path: Path) -> None:
+    """p' = p + Ψ s + Φ q as the FMU carries it: the tip's nodes on average as the tip says."""
+    port = root(SIX, "[]", 'kind = "rigid"')
+    reduction = reduced(tmp_path, (SUPPORT, ""), (MODES, port + MODES))
+    path = package(reduction, tmp_path / "bar.fmu")
+    face, shape = read_face(path), read_shape(path)
+    assert face.amplitudes[:6] == [
+        *(f"root.prescribed_displacement.{axis}" for axis in "xyz"),
+        *(f"root.prescribed_rotation.{axis}" for axis in "xyz"),
+    ]
+    assert len(face.amplitudes) == shape.Phi.shape[2] == 6 + 8
+    start = {"root.start_displacement.x": 0.1, "root.start_angular_velocity.y": -2.0, "root.motion.z": 30.0}
+    found = simulate(face, None, start, stop=0.02, step=1e-3, record_modes=True)
+    moved = deformed_points(shape, found.q[-1]) - shape.points
+    tip = np.abs(shape.points[:, 0] - LENGTH) < 1e-6
+    for axis in (0, 2):
+        told = found.result[f"tip.displacement.{'xyz'[axis]}"][-1]
+        assert moved[tip, axis].mean() == pytest.approx(told, rel=1e-6)  # single precision
+        assert abs(told) > 0.01
