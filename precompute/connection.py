@@ -14,6 +14,7 @@ from .eigen import Modes
 from .exchange import Exchange, exchange_of
 from .extra_damping import Dashpots
 from .full_part import FullPart, nodes_at
+from .moved_part import MovedPart
 from .moved_ports import hold_motions
 from .part import Part
 from .port_elements import element_motion, with_masses, with_springs
@@ -110,8 +111,11 @@ def damped(part: Part, connection: Connection, modes: Modes) -> Damping:
     )
 
 
-def drag(connection: Connection, Psi: Floats, modes: Modes) -> Floats:
-    """ΨᵀD [Ψ TΦ] in 1/s, (k, k + r), of the damping beyond Rayleigh's: what it does where the ports move."""
-    shapes = np.column_stack([Psi, connection.held.T @ modes.Phi])
-    lam = np.concatenate([np.zeros(Psi.shape[1]), modes.lam])
-    return projected_damping(lam, shapes, connection.system.D, connection.dashpots)[: Psi.shape[1]]
+def drag(connection: Connection, moved: MovedPart, modes: Modes) -> Floats:
+    """ΨᵀD [Ψ TΦ] in 1/s, (k, k + r), of the damping beyond Rayleigh's: what it does where the ports move.
+
+    Without what is rounding only; shapes Ψ of a rigid motion count as rigid modes do there.
+    """
+    shapes = np.column_stack([moved.Psi, connection.held.T @ modes.Phi])
+    stiffness = np.concatenate([np.diag(moved.K), modes.lam])
+    return projected_damping(stiffness, shapes, connection.system.D, connection.dashpots)[: len(moved.K)]

@@ -19,16 +19,18 @@ def gravity_load(system: System, axis: Axis) -> Floats:
     return F
 
 
-def base_load(system: System, axis: Axis, fixed: Ints, dofs: Dofs) -> Floats:
+def base_load(system: System, axis: Axis, fixed: Ints, dofs: Dofs, *, driven: bool = False) -> Floats:
     """F = −M r_k in kg, (n,), per m/s² of the supports in the direction k of `axis`.
 
     Displacements are relative to the moving supports, u_abs = u + r_k u_base, so that
     M ü + D u̇ + K u = F − M r_k ü_base (Clough & Penzien, Dynamics of Structures, 2nd ed., 2-7); springs and
-    dashpots to ground move with the supports. A warning where nothing holds the body in that direction.
+    dashpots to ground move with the supports, and so do ports whose motion is prescribed (driven: there are
+    some). A warning where nothing holds the body in that direction.
     """
     r = system.rigid[:, "xyz".index(axis)]
     if (
-        not np.any(dofs.direction[fixed] == "xyz".index(axis))
+        not driven
+        and not np.any(dofs.direction[fixed] == "xyz".index(axis))
         and without_energy(system.K, r[:, None], system.precision)[0]
     ):
         warning(

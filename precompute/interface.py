@@ -112,7 +112,10 @@ def build_interface(
     loads = [
         *_port_loads(exchange, body, dofs, moved, system, shapes),
         *(csc_array(gravity_load(system, axis)[:, None]) for axis in exchange.gravity),
-        *(csc_array(base_load(system, axis, fixed, dofs)[:, None]) for axis in exchange.base),
+        *(
+            csc_array(base_load(system, axis, fixed, dofs, driven=bool(shapes))[:, None])
+            for axis in exchange.base
+        ),
     ]
     b = csc_array(hstack([csc_array((len(dofs.node), 0)), *loads], format="csc"))
     forces = [float(key not in shapes) for key in exchange.keys]

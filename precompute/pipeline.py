@@ -99,7 +99,7 @@ def _reduced(
         interface,
         residual,
         part.modes.initial,
-        None if moved is None else drag(connection, moved.Psi, modes),
+        None if moved is None else drag(connection, moved, modes),
     )
     certificate = None
     if certified and solve is not None:

@@ -131,3 +131,11 @@ def test_a_free_direction_is_warned_of(caplog: pytest.LogCaptureFixture) -> None
         port = port_nodes(MESH, TIP, "area", "tip")
         base_load(with_springs(free, [(motion(port, 0, DOFS), 5.0)]), "x", np.zeros(0, dtype=np.int64), DOFS)
         assert not caplog.text
+
+
+def test_ports_that_are_moved_go_with_the_base(caplog: pytest.LogCaptureFixture) -> None:
+    """They hold the part where no support does: nothing to warn of."""
+    with caplog.at_level(logging.WARNING, LOGGER_NAME):
+        found = base_load(damped(), "x", np.zeros(0, dtype=np.int64), DOFS, driven=True)
+    assert not caplog.text
+    np.testing.assert_array_equal(found, -gravity_load(damped(), "x"))
