@@ -1,4 +1,4 @@
-"""The inputs of the fuzz target of the calls, replayed on a model at rest and on one with a static start."""
+"""The inputs of the fuzz target of the calls, replayed on three models."""
 
 import shutil
 import subprocess
@@ -41,7 +41,7 @@ def replayed(folder: Path, model: str, sources: tuple[Path, ...] = SOURCES, *inc
     return done.returncode, done.stdout[-300:] + done.stderr[-2000:]
 
 
-@pytest.mark.parametrize("model", ["rest", "static"])
+@pytest.mark.parametrize("model", ["rest", "static", "driven"])
 def test_corpus(tmp_path: Path, model: str) -> None:
     assert len(list(CORPUS.iterdir())) > 10
     status, output = replayed(tmp_path, model)
@@ -53,7 +53,7 @@ def test_corpus(tmp_path: Path, model: str) -> None:
     [
         ("fmi2_life.c", "        c->memory.release(c->name);", "        (void)0;"),
         ("fmi2_variables.c", "highest < size", "highest <= size"),
-        ("saved_state.c", "head.active > r ", "head.active > r + 1000 "),
+        ("saved_state.c", "head.active > n ", "head.active > n + 1000 "),
     ],
 )
 def test_a_fault_is_seen(tmp_path: Path, file: str, right: str, wrong: str) -> None:

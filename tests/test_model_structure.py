@@ -18,7 +18,10 @@ from structures import (
     integrating,
     set_states,
     settable_states,
+    start_of,
+    starts,
     states,
+    static_start,
     stepping,
 )
 
@@ -34,7 +37,7 @@ def fmu(request: pytest.FixtureRequest) -> NativeFmu:
 
 def somewhere(fmu: NativeFmu) -> dict[str, float]:
     """Forces and states with start values that are all different and none 0."""
-    knowns = inputs(fmu) + settable_states(fmu)
+    knowns = inputs(fmu) + settable_states(fmu) + starts(fmu)
     return dict(zip(knowns, np.random.default_rng(5).uniform(0.5, 1.5, len(knowns)).tolist(), strict=True))
 
 
@@ -77,7 +80,7 @@ def vary_settings(fmu: NativeFmu, make: Make) -> Moved:
     for known, values in (
         ("damping.alpha", [9.0]),
         ("damping.beta", [0.9]),
-        ("modes.active", range(fmu.modes)),
+        ("modes.active", range(fmu.modes - len(starts(fmu)) // 2)),
     ):
         part = make(fmu, somewhere(fmu))
         before = reals(part)
@@ -104,12 +107,11 @@ def mismatches(told: Moved, moved: Moved) -> list[tuple[str, str]]:
 
 def rounding(fmu: NativeFmu) -> float:
     """Forces that cancel in equilibrium, B u − λ q, leave their roundings; elsewhere nothing cancels."""
-    static = len(settable_states(fmu)) < len(states(fmu))
-    return 1e-12 if static else 0.0
+    return 1e-12 if static_start(fmu) else 0.0
 
 
 def initial_dependencies(fmu: NativeFmu) -> Moved:
-    knowns = inputs(fmu) + settable_states(fmu)
+    knowns = inputs(fmu) + settable_states(fmu) + starts(fmu)
     return merged(
         vary(fmu, initialising, knowns, rounding(fmu)),
         vary_settings(fmu, initialising),
@@ -124,7 +126,7 @@ def running_dependencies(fmu: NativeFmu) -> Moved:
 
 
 def test_initial_unknowns(fmu: NativeFmu) -> None:
-    """In initialization mode: inputs, states with start values, α, β, modes.active."""
+    """In initialization mode: inputs, states with start values, starts of motions, α, β, modes.active."""
     told = declared(fmu, "initialUnknowns")
     moved = initial_dependencies(fmu)
     # modes switched off go to rest, but their states are no unknowns where they have start values
@@ -140,9 +142,12 @@ def test_communication_points(fmu: NativeFmu) -> None:
     told = declared(fmu, "outputs", "derivatives")
     moved = vary(fmu, stepping, inputs(fmu), 0.0)
     before = reals(stepping(fmu, {}))
-    for known in settable_states(fmu):
+    begins = {} if static_start(fmu) else start_of(fmu)  # amplitudes follow from them there
+    reachable = {*inputs(fmu), *settable_states(fmu), *begins}
+    for known in reachable - {*inputs(fmu)}:
         add(moved, differ(before, reals(stepping(fmu, {known: 1.0})), known, 0.0), known)
-    reachable = {*inputs(fmu), *settable_states(fmu)}
+    for unknown in (*starts(fmu), *states(fmu)):
+        moved.pop(unknown, None)  # what it starts with, and what follows from that
     assert mismatches({u: knowns & reachable for u, knowns in told.items()}, moved) == []
 
 
@@ -160,13 +165,18 @@ def test_model_exchange(fmu: NativeFmu, make: Make) -> None:
     assert mismatches(told, moved) == []
 
 
+AT_REST = {"moved static": "moved", "moved gaps static": "moved gaps"}  # equilibria that know α
+
+
 @pytest.mark.parametrize("make", [stepping, at_event])
-def test_damping_while_running(fmu: NativeFmu, make: Make) -> None:
+@pytest.mark.parametrize("model", MODELS)
+def test_damping_while_running(model: str, make: Make) -> None:
     """α and β move what InitialUnknowns says, at any time: accelerations and damping ratios."""
-    told = {u: knowns & {*DAMPING} for u, knowns in declared(fmu, "initialUnknowns").items()}
+    fmu, starting = native_fmu(MODELS[model]), native_fmu(MODELS[AT_REST.get(model, model)])
+    told = {u: knowns & {*DAMPING} for u, knowns in declared(starting, "initialUnknowns").items()}
     moved = {u: knowns & {*DAMPING} for u, knowns in vary_settings(fmu, make).items()}
     assert mismatches(told, moved) == []
-    assert sum(map(len, told.values())) >= 2 * fmu.modes  # rigid ones know no β
+    assert sum(map(len, told.values())) >= 2 * (fmu.modes - len(start_of(fmu)) // 2)  # rigid ones know no β
 
 
 def changed(tmp_path: Path, edit: Callable[[ET.Element], None]) -> NativeFmu:

@@ -6,8 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from driven import driven
 from examples import two_ports
 from model_files import HEADER, assert_read, assert_refused, files_of, saved, with_array, with_header
+
+from fmu_src.runtime.model import row_starts
 
 
 @pytest.mark.parametrize(
@@ -135,3 +138,38 @@ def changed(array: Any, place: Any, value: float) -> Any:
 def test_numbers_that_no_model_has(tmp_path: Path, key: str, array: Any) -> None:
     files = with_array(files_of(two_ports()), key, saved(array))
     assert_refused(files, tmp_path, rf"^model/{key}\.npy: ", f"^{key}: ")
+
+
+DRIVEN = driven()
+THIRD = row_starts(DRIVEN.laws)[DRIVEN.outputs.index("left.reaction.y")] + 2
+
+
+@pytest.mark.parametrize(
+    ("key", "array"),
+    [
+        ("lam", changed(DRIVEN.lam, 2, 5e-324)),
+        ("B", changed(DRIVEN.B, (0, 1), 0.5)),
+        ("B", changed(DRIVEN.B, (2, 0), 1e-300)),
+        ("B", DRIVEN.B[[1, 0, *range(2, len(DRIVEN.lam))]]),
+        ("C", changed(DRIVEN.C, (THIRD, 3), 5e-324)),
+        ("M_s", changed(DRIVEN.M_s, (0, 1), 7.0)),
+        ("M_s", changed(DRIVEN.M_s, (0, 0), -1.0)),
+        ("M_s", changed(DRIVEN.M_s, (2, 2), np.nan)),
+        ("K_s", changed(DRIVEN.K_s, (2, 1), 7.0)),
+        ("K_s", changed(DRIVEN.K_s, (1, 1), -1.0)),
+    ],
+)
+def test_what_no_prescribed_motion_has(tmp_path: Path, key: str, array: Any) -> None:
+    files = files_of(DRIVEN)
+    assert_read(files, tmp_path, DRIVEN)
+    changed_files = with_array(files, key, saved(array))
+    assert_refused(changed_files, tmp_path, rf"^model/{key}\.npy: ", f"^{key}: ")
+
+
+def test_a_motion_needs_a_mode_and_its_arrays(tmp_path: Path) -> None:
+    """Three motions: 3 coordinates are none too few for them, but leave no mode."""
+    files = files_of(DRIVEN)
+    few = with_array(files, "lam", saved(np.zeros(3)), [3])
+    assert_refused(few, tmp_path, r"^model/model\.json: lam: got no mode beside 3 prescribed motions")
+    empty = with_array(files, "M_s", saved(np.zeros((0, 0))), [0, 0])
+    assert_refused(empty, tmp_path, r"M_s: expected the shape 3 x 3", r"^M_s: got")

@@ -30,7 +30,7 @@ def test_a_header_in_another_encoding(tmp_path: Path, encoding: str) -> None:
 OUTPUT_ONLY = oscillator(
     ports=(Port("tip", (), ("velocity.y",)),), B=np.zeros((1, 0)), C=np.ones((1, 1)), beta=7.0
 )
-IGNORED = '"schema": 2, "later": {}'
+IGNORED = '"schema": 3, "later": {}'
 
 
 def with_replaced(right: str, other: str) -> dict[str, bytes]:
@@ -44,14 +44,14 @@ def with_replaced(right: str, other: str) -> dict[str, bytes]:
 @pytest.mark.parametrize(
     ("right", "other"),
     [
-        ('"schema": 2', '"schema": 2.0'),
-        ('"schema": 2', '"schema": 2e0'),
+        ('"schema": 3', '"schema": 3.0'),
+        ('"schema": 3', '"schema": 3e0'),
         ('"shape": [1]', '"shape": [1.0]'),
         ('"shape": [1]', '"shape": [ 10e-1\t]'),
         ('"beta": 7.0', '"beta": 7'),
         ('"beta": 7.0', '"beta": 1e400, "beta": 7'),
         *(
-            ('"schema": 2', IGNORED.format(value))
+            ('"schema": 3', IGNORED.format(value))
             for value in (
                 r'"\ud83d\ude00"',
                 r'"\u0000\uffff\u0041"',
@@ -71,8 +71,8 @@ def test_headers_written_otherwise(tmp_path: Path, right: str, other: str) -> No
 @pytest.mark.parametrize(
     ("right", "wrong"),
     [
-        ('"schema": 2', '"schema": true'),
-        ('"schema": 2', '"schema": 02'),
+        ('"schema": 3', '"schema": true'),
+        ('"schema": 3', '"schema": 02'),
         ('"shape": [1]', '"shape": [true]'),
         ('"shape": [1]', '"shape": [1.5]'),
         ('"inputs": []', '"inputs": ""'),
@@ -81,7 +81,7 @@ def test_headers_written_otherwise(tmp_path: Path, right: str, other: str) -> No
         ('"beta": 7.0', '"beta": true'),
         ('"beta": 7.0', "'beta': 7.0"),
         *(
-            ('"schema": 2', IGNORED.format(value))
+            ('"schema": 3', IGNORED.format(value))
             for value in (
                 "NaN",
                 "Infinity",
@@ -129,7 +129,7 @@ PORT = {"name": "tip", "inputs": ["force.x"], "outputs": ["displacement.x", "vel
                 *("initial", "residual", "ports", "arrays"),
             )
         ),
-        *(("schema", value) for value in (1, 3, 0, 1.5, "2", [2])),
+        *(("schema", value) for value in (1, 2, 4, 0, 1.5, "3", [3])),
         *(("name", value) for value in (7, "", "two words", "1st", "a\n", "two\nlines", "a\0", "ä", "a.b")),
         *(("description", value) for value in (1, ["a"], "a\0", "\1", "\x0b", "\x1f", "\ufffe", "b\uffff")),
         *(("alpha", value) for value in ("0.5", True, -1e-300, 10**400, [0.0])),

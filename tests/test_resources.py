@@ -66,6 +66,13 @@ def test_flipped_bit(folder: Path, name: str, message: str) -> None:
         read_model(folder)
 
 
+DRIVEN = {
+    "ports": (Port("tip", ("motion.x",), ("displacement.x",)),),
+    "M_s": np.ones((1, 1)),
+    "K_s": np.ones((1, 1)),
+}
+
+
 def build(**changes: object) -> ReducedModel:
     r = 2
     given = {
@@ -112,6 +119,17 @@ def build(**changes: object) -> ReducedModel:
             "0 modes",
         ),
         ({"description": "\ud800"}, "XML"),
+        ({"ports": (Port("tip", ("motion.x",), ("displacement.x",)),)}, "M_s: got"),
+        ({"M_s": np.ones((1, 1))}, "M_s: got"),
+        (DRIVEN | {"B": np.ones((2, 1))} | {"lam": np.array([1.0, 4.0])}, "lam: expected 0 for the first 1"),
+        (DRIVEN | {"B": np.zeros((2, 1))}, "B: expected in the first 1 rows"),
+        (
+            DRIVEN
+            | {"lam": np.zeros(1), "B": np.ones((1, 1)), "C": np.ones((1, 1)), "D_rest": np.zeros((1, 1))},
+            "got 0 modes",
+        ),
+        (DRIVEN | {"M_s": -np.ones((1, 1))}, "M_s: expected"),
+        (DRIVEN | {"initial": "static", "lam": np.zeros(2)}, "rigid"),
         ({"ports": (Port("tip", ("heat",), ("displacement.x",)),)}, "heat"),
         ({"ports": (Port("gravity", ("force.x",), ("displacement.x",)),)}, "expected one of x, y, z"),
         ({"ports": (Port("tip", ("force.x",), ("kinetic",)),)}, "kinetic"),
@@ -122,6 +140,7 @@ def test_inconsistent_models_are_refused(changes: dict[str, object], message: st
     with pytest.raises(ModelError, match=message):
         build(**changes)
     build()
+    assert build(**DRIVEN, initial="static").r == 1
 
 
 def test_damping_ratio_has_no_nan() -> None:

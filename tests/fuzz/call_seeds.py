@@ -1,6 +1,6 @@
 """The model and the first inputs of the fuzz target of the calls.
 
-    python tests/fuzz/call_seeds.py FOLDER [static]
+    python tests/fuzz/call_seeds.py FOLDER [static | driven]
 
 FOLDER/embedded_model.c is what the target is compiled with; FOLDER/seeds holds whole simulations.
 """
@@ -12,6 +12,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from driven import part, reduced
 from examples import everything
 
 from fmu_src.embedded_model import embedded_model
@@ -31,9 +32,14 @@ INPUTS, OUTPUTS, MODES = 7, 14, 7
 ALPHA, LAST = INPUTS + OUTPUTS, INPUTS + OUTPUTS + 1 + 6 * MODES  # value references
 
 
-def model(static: bool) -> ReducedModel:
-    """Every law and coupled modes; rigid, repeated, over-damped ones; or supported, from a static start."""
-    if not static:
+def model(which: str) -> ReducedModel:
+    """Every law and coupled modes; rigid, repeated, over-damped ones; or supported, from a static start.
+
+    Or driven by prescribed motions: the value references mean other variables there.
+    """
+    if which == "driven":
+        return reduced(part(), initial="static", residual=True)
+    if which != "static":
         return everything()
     return everything(lam=np.array([3.0, 7.0, 30.0, 30.0, 400.0, 9000.0, 2e4]), initial="static")
 
@@ -94,12 +100,12 @@ def seeds() -> dict[str, bytes]:
     }
 
 
-def main(folder: Path, static: bool) -> None:
+def main(folder: Path, which: str) -> None:
     (folder / "seeds").mkdir(parents=True, exist_ok=True)
-    (folder / "embedded_model.c").write_text(embedded_model(model(static), GUID), encoding="utf-8")
+    (folder / "embedded_model.c").write_text(embedded_model(model(which), GUID), encoding="utf-8")
     for name, content in seeds().items():
         (folder / "seeds" / name).write_bytes(content)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), "static" in sys.argv[2:])
+    main(Path(sys.argv[1]), sys.argv[2] if len(sys.argv) > 2 else "rest")

@@ -59,8 +59,9 @@ static fmi2Status values_call(fmi2Component c, unsigned int call, Input *input)
         free(seed);
     }
     }
-    const size_t known_below =
-        call == 2 || call == 3 ? 1 : embedded_model.m + embedded_model.p + 2 + 6 * embedded_model.r;
+    const size_t real_count = embedded_model.m + embedded_model.p + 2 + 2 * embedded_model.k +
+                              2 * embedded_model.r + 4 * embedded_model.n;
+    const size_t known_below = call == 2 || call == 3 ? 1 : real_count;
     for (size_t k = 0; k < count; k++)
         must(status != fmi2OK || (vr[k] < known_below && given)); /* one unknown reference refuses the call */
     free(vr);
@@ -97,7 +98,7 @@ static fmi2Status state_call(fmi2Component c, unsigned int call, Input *input)
 
 static fmi2Status exchange_call(fmi2Component c, unsigned int call, Input *input)
 {
-    size_t states = 2 * embedded_model.r, count = byte(input);
+    size_t states = 2 * embedded_model.n, count = byte(input);
     count = count < 200 ? states : count - 200;
     fmi2EventInfo event;
     fmi2Boolean a, b;

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FILES 9
+#define FILES 11
 #define MODEL 1    /* model.json */
 #define CHECKSUM 2 /* model.sha256 */
 #define FIRST_ARRAY 3
@@ -21,7 +21,8 @@
 
 static const char *const names[FILES] = {"guid.txt",      "model/model.json", "model/model.sha256",
                                          "model/lam.npy", "model/D_rest.npy", "model/B.npy",
-                                         "model/C.npy",   "model/R.npy",      "model/R_in.npy"};
+                                         "model/C.npy",   "model/R.npy",      "model/R_in.npy",
+                                         "model/M_s.npy", "model/K_s.npy"};
 
 static void must(bool truth)
 {
@@ -64,7 +65,7 @@ static size_t check_law(const char *name, Law law)
         Law law;
         size_t rows;
     } laws[] = {{".displacement.", POSITION, 1},    {".rotation.", POSITION, 1},  {"velocity.", VELOCITY, 1},
-                {"acceleration.", ACCELERATION, 1}, {".reaction.", REACTION, 2},  {".stress.mises", MISES, 6},
+                {"acceleration.", ACCELERATION, 1}, {".reaction", REACTION, 3},   {".stress.mises", MISES, 6},
                 {"energy.kinetic", KINETIC, 0},     {"energy.strain", STRAIN, 0}, {".stress.", POSITION, 1}};
     for (size_t k = 0; k < sizeof laws / sizeof *laws; k++)
         if (strstr(name, laws[k].part)) {
@@ -83,12 +84,19 @@ static bool has_port(const char *name, const char *port)
 static void check_model(const ReducedModel *model)
 {
     size_t rows = 0;
-    must(model->r > 0 && model->m + model->p > 0 && strlen(model->name) > 0);
+    must(model->r > 0 && model->k + model->r == model->n && model->m + model->p > 0);
+    must(strlen(model->name) > 0);
     must(model->alpha >= 0.0 && isfinite(model->alpha) && model->beta >= 0.0 && isfinite(model->beta));
-    must(model->lam[0] >= 0.0 && !(model->initial_static && model->lam[0] == 0.0));
-    for (size_t i = 0; i < model->r; i++) {
+    must(model->lam[0] >= 0.0 && !(model->initial_static && model->lam[model->k] == 0.0));
+    for (size_t i = 0; i < model->n; i++) {
         must(isfinite(model->lam[i]) && (i == 0 || model->lam[i] >= model->lam[i - 1]));
-        must(model->D_rest[i * model->r + i] >= 0.0);
+        must(model->D_rest[i * model->n + i] >= 0.0);
+    }
+    for (size_t i = 0; i < model->k; i++) {
+        must(model->lam[i] == 0.0 && model->motions[i] < model->m);
+        must(strstr(model->inputs[model->motions[i]], "motion.") != NULL);
+        for (size_t j = 0; j < model->m; j++)
+            must(model->B[i * model->m + j] == (j == model->motions[i]));
     }
     for (size_t j = 0; j < model->m; j++) {
         const char *name = model->inputs[j];
@@ -101,10 +109,12 @@ static void check_model(const ReducedModel *model)
         rows += check_law(model->outputs[k], model->laws[k]);
     }
     must(rows == model->s);
-    check_symmetric(model->D_rest, model->r);
+    check_symmetric(model->D_rest, model->n);
     check_symmetric(model->R_in, model->m);
-    check_finite(model->B, model->r * model->m);
-    check_finite(model->C, model->s * model->r);
+    check_symmetric(model->M_s, model->k);
+    check_symmetric(model->K_s, model->k);
+    check_finite(model->B, model->n * model->m);
+    check_finite(model->C, model->s * model->n);
     check_finite(model->R, model->s * model->m);
 }
 

@@ -14,6 +14,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
+from driven import driven
 from examples import everything, oscillator, two_ports
 
 from fmu_src.runtime.resources import ARRAYS, write_model
@@ -42,7 +43,11 @@ def seeds() -> Iterator[tuple[str, bytes]]:
     yield "two_ports", container(larger, SOUND)
     yield "static", container(static, SOUND)
     yield "everything", container(write_model(everything()), SOUND)
-    for k in (0, 2, 3, 6, 9):
+    moved = write_model(driven())
+    yield "driven", container(moved, SOUND)
+    for name, arrays in driven_changes().items():
+        yield name, container({**moved, **arrays})
+    for k in (0, 2, 3, 6, 9, 11):
         yield f"allocation_{k}", container(small, FAIL, k)
     yield "empty", b""
     yield "no_files", bytes([SOUND, 0])
@@ -103,6 +108,21 @@ def array_changes() -> dict[str, dict[str, bytes]]:
         "cut_header": {"lam.npy": saved(np.arange(6.0))[:120]},
         "short_header": {"lam.npy": b"\x93NUMPY\x01\x00\x01\x00\n"},
         "integers": {"lam.npy": saved(np.arange(6))},
+    }
+
+
+def driven_changes() -> dict[str, dict[str, bytes]]:
+    """Rows and columns of prescribed motions that are not so."""
+    model = driven()
+    lam, B, C = (array.copy() for array in (model.lam, model.B, model.C))
+    lam[2], B[1, 0] = 1.0, 1.0
+    C[-1] = 1.0
+    return {
+        "stiff_motion": {"lam.npy": saved(lam)},
+        "wrong_motion": {"B.npy": saved(B)},
+        "elastic_modes": {"C.npy": saved(C)},
+        "no_mass": {"M_s.npy": saved(-np.eye(3))},
+        "one_sided": {"K_s.npy": saved(np.triu(np.ones((3, 3))))},
     }
 
 
