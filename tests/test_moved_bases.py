@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from moved_bar import MODES, OUTPUTS, RATIO, SIX, SUPPORT, reduced, root
 from moved_responses import responses
 from small_part import write_part
-from test_moved_parts import MODES, OUTPUTS, RATIO, SIX, SUPPORT, reduced, root
 
 from fmu_src.runtime.model import ReducedModel
 from precompute.arrays import Floats

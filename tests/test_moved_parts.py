@@ -4,40 +4,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from moved_bar import MODES, OUTPUTS, RATIO, SIX, SUPPORT, reduced, root
 from moved_responses import responses
-from small_part import CELLS, DENSITY, LENGTH, WIDTH, YOUNG, write_part
+from small_part import CELLS, DENSITY, LENGTH, WIDTH, YOUNG
 
 from fmu_src.runtime.instance import Instance
 from fmu_src.runtime.model import ReducedModel
 from precompute.arrays import Floats
 from precompute.fmu_face import read_face
 from precompute.oscillators import Complexes
-from precompute.part import read_part
-from precompute.pipeline import Reduction, package, reduce_part
+from precompute.pipeline import package
 from precompute.shape import deformed_points, read_shape
 from precompute.simulation import simulate
 
 AREA = WIDTH**2
 MASS = DENSITY * AREA * LENGTH
-SUPPORT = '[[support]]\nat = { plane = { normal = "x", at = 0.0 } }\nfix = ["x", "y", "z"]\n'
-INPUTS = 'inputs = ["force.x", "force.z"]'
-OUTPUTS = 'outputs = ["displacement.x", "displacement.z", "velocity.z"]'
-RATIO = "[damping]\nratio = 0.02\n"
-MODES = "[modes]\ncount = 8\n"
-SIX = '["motion.x", "motion.y", "motion.z", "angular_motion.x", "angular_motion.y", "angular_motion.z"]'
-
-
-def root(inputs: str, outputs: str = "[]", more: str = "") -> str:
-    """A port at the end x = 0."""
-    return (
-        '[[port]]\nname = "root"\nat = { plane = { normal = "x", at = 0.0 } }\n'
-        f"inputs = {inputs}\noutputs = {outputs}\n{more}\n"
-    )
-
-
-def reduced(folder: Path, *changes: tuple[str, str], certified: bool = False) -> Reduction:
-    folder.mkdir(exist_ok=True)
-    return reduce_part(read_part(write_part(folder, *changes)), certified=certified)
 
 
 def run(model: ReducedModel, inputs: list[dict[str, float]], h: float) -> dict[str, Floats]:
