@@ -141,11 +141,11 @@ PORT = {"name": "tip", "inputs": ["force.x"], "outputs": ["displacement.x", "vel
         *(("ports", [{**PORT, "inputs": value}]) for value in ("", 1, {}, [1], ["force.w"], ["force.x"] * 2)),
         *(
             ("ports", [{**PORT, "inputs": [value]}])
-            for value in ("displacement.x", "force.x\0", "force.", "", None)
+            for value in ("reaction.x", "force.x\0", "force.", "", None)
         ),
         *(
             ("ports", [{**PORT, "outputs": value}])
-            for value in (["force.x"], [["velocity.x"]], ["velocity.x"] * 3)
+            for value in (["pressure"], [["velocity.x"]], ["velocity.x"] * 3)
         ),
         ("ports", [{"name": "tip", "inputs": [], "outputs": []}]),
         ("ports", [{**PORT, "inputs": ["force.x", "force.y"]}]),  # B has one column

@@ -73,7 +73,7 @@ static bool read_residual(const Json *header, bool *residual, Reason *reason)
            refuse(reason, HEADER ": residual: got %s, expected true or false; " AGAIN, kind_name(value));
 }
 
-/* n, the length of lam; whether it is a whole number is seen when its file is read */
+/* n, the length of lam, 0 without a state; whether it is a whole number is seen when its file is read */
 static bool count_coordinates(const Json *header, size_t *n, Reason *reason)
 {
     const Json *arrays = expected_member(header, "arrays", JSON_OBJECT, reason);
@@ -81,9 +81,9 @@ static bool count_coordinates(const Json *header, size_t *n, Reason *reason)
     const Json *shape = expected_member(lam, "shape", JSON_LIST, reason);
     if (!shape)
         return false;
-    double length = shape->size == 1 && shape[1].kind == JSON_NUMBER ? shape[1].number : 0.0;
-    if (!(length >= 1.0 && length <= (double)(ARRAY_LIMIT / sizeof(double))))
-        return refuse(reason, HEADER ": lam: got %g modes, expected at least one; " AGAIN, length);
+    double length = shape->size == 1 && shape[1].kind == JSON_NUMBER ? shape[1].number : -1.0;
+    if (!(length >= 0.0 && length <= (double)(ARRAY_LIMIT / sizeof(double))))
+        return refuse(reason, HEADER ": lam: got %g modes, expected a number of them; " AGAIN, length);
     *n = (size_t)length;
     return true;
 }
@@ -145,7 +145,7 @@ ReducedModel *described_model(const Json *header, const Memory *memory, Reason *
         !check_ports(ports, &sizes, memory, reason))
         return NULL;
     size_t k = prescribed_motions(ports, NULL);
-    if (n <= k) {
+    if (k > 0 && n <= k) {
         refuse(reason, HEADER ": lam: got no mode beside %zu prescribed motions, expected one; " AGAIN, k);
         return NULL;
     }

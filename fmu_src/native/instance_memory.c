@@ -119,6 +119,7 @@ Instance *new_instance(const ReducedModel *model, const Memory *memory)
 {
     size_t m = model->m;
     Instance started = {.model = model, .layout = layout(model), .kernels = best_kernels()};
+    started.active = SIZE_MAX; /* not known yet, so that the reset takes up even 0 modes */
     started.n = padded(model->n);
     started.n_inputs = padded(m);
     started.feeds_through =

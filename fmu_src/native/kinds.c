@@ -14,6 +14,11 @@ static const Kind ordinary_inputs[] = {
     {"pressure", POSITION},
     XYZ("motion", ACCELERATION),
     XYZ("angular_motion", ACCELERATION),
+    /* of what joins parts: */
+    XYZ("displacement", POSITION),
+    XYZ("velocity", POSITION),
+    XYZ("rotation", POSITION),
+    XYZ("angular_velocity", POSITION),
 };
 static const Kind gravity_inputs[] = {{"x", POSITION}, {"y", POSITION}, {"z", POSITION}};
 static const Kind base_inputs[] = {XYZ("acceleration", POSITION)};
@@ -34,6 +39,9 @@ static const Kind ordinary_outputs[] = {
     {"stress.mises", MISES},
     XYZ("reaction", REACTION),
     XYZ("reaction_moment", REACTION),
+    /* of what joins parts: */
+    XYZ("force", POSITION),
+    XYZ("moment", POSITION),
 };
 static const Kind energies[] = {{"kinetic", KINETIC}, {"strain", STRAIN}};
 

@@ -136,7 +136,7 @@ static bool check_values(const ReducedModel *model, Reason *reason)
         return false;
     if (!is_symmetric(model->R_in, model->m))
         return refuse(reason, "model/R_in.npy: expected a symmetric matrix; " AGAIN);
-    return !(model->initial_static && lam[model->k] == 0.0) ||
+    return !(model->initial_static && model->r > 0 && lam[model->k] == 0.0) ||
            refuse(reason, HEADER ": got a static start with a rigid mode, expected lam > 0; " AGAIN);
 }
 

@@ -99,6 +99,16 @@ ORDINARY_OUTPUTS: Mapping[str, Output] = {
     **{k: Output("N", f"{text} of {{port}}", "reaction") for k, text in _along("reaction").items()},
     **{k: Output("N.m", f"{text} of {{port}}", "reaction") for k, text in _about("reaction_moment").items()},
 }
+# What joins parts has it the other way round: told how its ends move, it gives the forces on them.
+LINK_INPUTS: Mapping[str, Input] = {
+    key: Input(ORDINARY_OUTPUTS[key].unit, ORDINARY_OUTPUTS[key].text)
+    for kind in ("displacement", "velocity", "rotation", "angular_velocity")
+    for key in _along(kind)
+}
+LINK_OUTPUTS: Mapping[str, Output] = {
+    **{key: Output("N", f"{text} on {{port}}", "position") for key, text in _along("force").items()},
+    **{key: Output("N.m", f"{text} on {{port}}", "position") for key, text in _about("moment").items()},
+}
 GRAVITY: Mapping[str, Input] = {k: Input("m/s2", f"acceleration of gravity in {k}") for k in "xyz"}
 BASE: Mapping[str, Input] = {
     f"acceleration.{k}": Input("m/s2", f"acceleration of the supports in {k}") for k in "xyz"
@@ -107,13 +117,15 @@ ENERGY: Mapping[str, Output] = {
     "kinetic": Output("J", "kinetic energy of the motion relative to the base", "kinetic"),
     "strain": Output("J", "strain energy", "strain"),
 }
+ALL_INPUTS: Mapping[str, Input] = {**ORDINARY_INPUTS, **LINK_INPUTS}
+ALL_OUTPUTS: Mapping[str, Output] = {**ORDINARY_OUTPUTS, **LINK_OUTPUTS}
 
 
 def inputs_of(port: str) -> Mapping[str, Input]:
     """The inputs that the port of this name may have."""
-    return {"gravity": GRAVITY, "base": BASE, "energy": {}}.get(port, ORDINARY_INPUTS)
+    return {"gravity": GRAVITY, "base": BASE, "energy": {}}.get(port, ALL_INPUTS)
 
 
 def outputs_of(port: str) -> Mapping[str, Output]:
     """The outputs that the port of this name may have."""
-    return {"gravity": {}, "base": {}, "energy": ENERGY}.get(port, ORDINARY_OUTPUTS)
+    return {"gravity": {}, "base": {}, "energy": ENERGY}.get(port, ALL_OUTPUTS)

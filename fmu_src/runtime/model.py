@@ -40,6 +40,7 @@ class ReducedModel:
     that B_a = −ΦᵀMΨ are the columns of a, and damping of the whole motion drags them: N = αB_a − ΦᵀDΨ.
 
     lam: (k + r,) 1/s², 0 for s, then λ ≥ 0 ascending, exactly 0 for rigid modes; alpha in 1/s, beta in s;
+    empty where there is no state: then all that is left is R u, as of a spring between two parts;
     D_rest: (k + r, k + r) 1/s, symmetric ≥ 0, what no α and β describe, ΦᵀDΨ beside the modes; an entry off
     its diagonal couples two modes; the part between s and s moves nothing;
     B: (k + r, m) one column per input, in the rows of s 1 for its own acceleration and else 0;
@@ -88,12 +89,12 @@ class ReducedModel:
                 raise ModelError(f"{key}: got {array.dtype} {array.shape}, expected float64 {shape}")
             if not np.isfinite(array).all():
                 raise ModelError(f"{key}: got a value that is not finite, expected finite numbers")
-        if self.r <= 0 or not (self.inputs or self.outputs):
-            raise ModelError(
-                f"got {self.r} modes, {m} inputs and {len(self.outputs)} outputs, expected a mode and a port"
-            )
+        if not (self.inputs or self.outputs):
+            raise ModelError("got no inputs and outputs, expected a port")
+        if self.k and self.r <= 0:
+            raise ModelError(f"got {self.r} modes beside {self.k} prescribed motions, expected a mode")
         _check_motions(self)
-        if self.lam[0] < 0 or (np.diff(self.lam) < 0).any():
+        if (self.lam < 0).any() or (np.diff(self.lam) < 0).any():
             raise ModelError("lam: expected eigenvalues ≥ 0 in ascending order")
         if not (0 <= self.alpha < np.inf and 0 <= self.beta < np.inf):
             raise ModelError(f"got alpha {self.alpha}, beta {self.beta}, expected finite numbers ≥ 0")
@@ -104,7 +105,7 @@ class ReducedModel:
             raise ModelError("R_in: expected a symmetric matrix")
         if self.initial not in ("rest", "static"):
             raise ModelError(f'initial: got {self.initial!r}, expected "rest" or "static"')
-        if self.initial == "static" and self.lam[self.k] == 0:
+        if self.initial == "static" and (self.lam[self.k : self.k + 1] == 0).any():
             raise ModelError('initial = "static" needs a body without rigid modes: support it, or use "rest"')
 
     @property
