@@ -15,6 +15,7 @@ from .console import complain, notices
 from .errors import ModalFmuError
 from .part_commands import build, inspect, modes
 from .simulate_command import simulate
+from .ssp_command import ssp
 
 app = App(
     name="modalfmu",
@@ -22,7 +23,7 @@ app = App(
     help="One deformable part in, one FMI 2.0 co-simulation FMU out.",
     help_format="markdown",
 )
-for command in (build, modes, inspect, simulate):
+for command in (build, modes, inspect, simulate, ssp):
     app.command(command)
 
 

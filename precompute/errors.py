@@ -10,6 +10,7 @@ __all__ = [
     "ModelError",
     "PartError",
     "SelectionError",
+    "SspError",
     "ZeroEnergyError",
 ]
 
@@ -32,6 +33,10 @@ class SelectionError(ModalFmuError):
 
 class EigenError(ModalFmuError):
     """The modes asked for cannot be computed."""
+
+
+class SspError(ModalFmuError):
+    """A system file is not valid, or what it connects does not fit together."""
 
 
 class ZeroEnergyError(EigenError):

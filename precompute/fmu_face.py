@@ -57,14 +57,31 @@ class Face:
 
 
 def read_face(path: Path) -> Face:
-    """Raises ModalFmuError, beginning with the file's name: no such file, no FMU, one that is not
-    FMI 2.0 co-simulation or has no binary for this platform.
+    """The face of an FMU that runs here.
+
+    Raises ModalFmuError as `describe` does, and where there is no binary for this platform.
+    """
+    face = describe(path)
+    platforms = fmpy.supported_platforms(str(path))
+    if fmpy.platform not in platforms:
+        there = ", ".join(name for name in platforms if name != "c-code") or "no platform"
+        raise ModalFmuError(
+            f"{path}: got binaries for {there}, expected {fmpy.platform}; "
+            f"build it with --platform {fmpy.platform}"
+        )
+    return face
+
+
+def describe(path: Path) -> Face:
+    """The face of an FMU, wherever it runs.
+
+    Raises ModalFmuError, beginning with the file's name: no such file, no FMU, one that is not FMI 2.0
+    co-simulation.
     """
     try:
         with ZipFile(path) as archive:
             archive.getinfo("modelDescription.xml")
         description = fmpy.read_model_description(str(path), validate=False)
-        platforms = fmpy.supported_platforms(str(path))
     except OSError as error:
         raise ModalFmuError(f"{path}: cannot be read ({error.strerror or error})") from None
     except (BadZipFile, KeyError):
@@ -75,12 +92,6 @@ def read_face(path: Path) -> Face:
         kind = "co-simulation" if description.coSimulation else "model exchange"
         raise ModalFmuError(
             f"{path}: got FMI {description.fmiVersion} {kind}, expected FMI 2.0 co-simulation"
-        )
-    if fmpy.platform not in platforms:
-        there = ", ".join(name for name in platforms if name != "c-code") or "no platform"
-        raise ModalFmuError(
-            f"{path}: got binaries for {there}, expected {fmpy.platform}; "
-            f"build it with --platform {fmpy.platform}"
         )
     experiment = description.defaultExperiment
     start, stop, step = (
@@ -95,18 +106,26 @@ def read_settings(settings: Sequence[str], face: Face) -> dict[str, float]:
 
     Raises ModalFmuError: not name=value, an unknown or calculated variable, a value out of its range.
     """
-    settable = [name for name, v in face.variables.items() if _settable(v)]
     values: dict[str, float] = {}
     for setting in settings:
         name, equals, text = setting.partition("=")
         name = name.strip()
         if not equals:
             raise ModalFmuError(f"--set: got {setting!r}, expected name=value")
-        if name in face.variables and name not in settable:
-            raise ModalFmuError(f"--set: {name!r} is calculated by the FMU; {_choice(name, settable)}")
-        check_known(f"--set: the FMU has no variable {name!r}", name, settable)
-        values[name] = _checked(text, face.variables[name])
+        values[name] = checked_setting("--set", name, text, face)
     return values
+
+
+def checked_setting(where: str, name: str, text: str, face: Face) -> float:
+    """The value that the variable `name` is to start with; an int for an Integer.
+
+    Raises ModalFmuError, beginning with `where`, as `read_settings` does.
+    """
+    settable = [known for known, v in face.variables.items() if _settable(v)]
+    if name in face.variables and name not in settable:
+        raise ModalFmuError(f"{where}: {name!r} is calculated by the FMU; {_choice(name, settable)}")
+    check_known(f"{where}: the FMU has no variable {name!r}", name, settable)
+    return _checked(where, text, face.variables[name])
 
 
 def check_known(what: str, name: str, known: Iterable[str]) -> None:
@@ -127,8 +146,8 @@ def _settable(variable: Any) -> bool:
     )
 
 
-def _checked(text: str, variable: Any) -> float:
-    what = f"--set: {variable.name}: got {text.strip()!r}"
+def _checked(where: str, text: str, variable: Any) -> float:
+    what = f"{where}: {variable.name}: got {text.strip()!r}"
     try:
         value = float(text)
     except ValueError:

@@ -42,15 +42,20 @@ def check_ending(option: str, path: Path, *endings: str) -> None:
 
 
 def fmu_path(name: str, output: Path | None) -> Path:
-    """Where the FMU of the part `name` goes: `output`, or NAME.fmu in the folder `output` (left out: here).
+    """Where the FMU of the part `name` goes, as `output_path` tells."""
+    return output_path(name, output, ".fmu")
 
-    Raises ModalFmuError where `output` is neither a folder nor a file name that ends in .fmu.
+
+def output_path(name: str, output: Path | None, ending: str) -> Path:
+    """`output`, or the file `name` with this ending in the folder `output` (left out: here).
+
+    Raises ModalFmuError where `output` is neither a folder nor a file name with this ending.
     """
     folder = Path() if output is None else output
     if folder.is_dir():
-        return folder / f"{name}.fmu"
-    if folder.suffix.lower() != ".fmu":
-        raise ModalFmuError(f"{folder}: expected a folder that exists, or a file name that ends in .fmu")
+        return folder / f"{name}{ending}"
+    if folder.suffix.lower() != ending:
+        raise ModalFmuError(f"{folder}: expected a folder that exists, or a file name that ends in {ending}")
     return folder
 
 

@@ -42,7 +42,7 @@ def check_source(
 
 def check_materials(materials: Sequence[Material], damping: DampingForm) -> None:
     """Names of their own, cells in all but one; their damping adds to α and β and to no other form."""
-    _own_names(("material", k, material.name) for k, material in enumerate(materials))
+    own_names(("material", k, material.name) for k, material in enumerate(materials))
     rest = [k for k, material in enumerate(materials) if material.cells is None]
     if len(rest) > 1:
         words = f"missing here and in material[{rest[0] + 1}], expected it in all materials but one"
@@ -64,7 +64,7 @@ def check_names(ports: Sequence[Port], pairs: Sequence[Pair], supports: Sequence
         ("pair", pairs),
         ("support", supports),
     )
-    _own_names(
+    own_names(
         (table, k, item.name)
         for table, items in tables
         for k, item in enumerate(items)
@@ -124,7 +124,7 @@ def check_motions(ports: Sequence[Port], basis: Basis) -> None:
         raise mistake(f'{words}; write e.g. kind = "craig-bampton"', "basis", "kind")
 
 
-def _own_names(named: Iterable[tuple[str, int, str]]) -> None:
+def own_names(named: Iterable[tuple[str, int, str]]) -> None:
     """Raise where two of (table, place, name) have one name."""
     seen: dict[str, str] = {}
     for table, k, name in named:

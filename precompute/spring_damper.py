@@ -1,16 +1,21 @@
 """Springs and dampers between two ports of different parts: a model without a state."""
 
 from collections.abc import Mapping
+from typing import get_args
 
 import numpy as np
 
 from fmu_src.runtime.model import Port, ReducedModel
 
+from .part_values import Direction
+
 ENDS = ("a", "b")
 """The names of the two ports."""
 
 
-def spring_damper(name: str, stiffness: Mapping[str, float], damping: Mapping[str, float]) -> ReducedModel:
+def spring_damper(
+    name: str, stiffness: Mapping[Direction, float], damping: Mapping[Direction, float]
+) -> ReducedModel:
     """f_a = −k (x_a − x_b) − c (v_a − v_b),  f_b = −f_a, for each direction on its own.
 
     stiffness, damping: by direction, k in N/m (x, y, z) or N·m/rad (rx, ry, rz), c in N·s/m or N·m·s/rad, not
@@ -19,7 +24,7 @@ def spring_damper(name: str, stiffness: Mapping[str, float], damping: Mapping[st
     """
     k = {direction: value for direction, value in stiffness.items() if value > 0}
     c = {direction: value for direction, value in damping.items() if value > 0}
-    directions = [direction for direction in ("x", "y", "z", "rx", "ry", "rz") if direction in {**k, **c}]
+    directions: list[Direction] = [direction for direction in get_args(Direction) if direction in {**k, **c}]
     moved = [(_key("displacement", d), d, k[d]) for d in directions if d in k]
     moved += [(_key("velocity", d), d, c[d]) for d in directions if d in c]
     # one end: a column per input, a row per force
@@ -45,6 +50,6 @@ def spring_damper(name: str, stiffness: Mapping[str, float], damping: Mapping[st
 ABOUT = {"displacement": "rotation", "velocity": "angular_velocity", "force": "moment"}
 
 
-def _key(kind: str, direction: str) -> str:
+def _key(kind: str, direction: Direction) -> str:
     """ "displacement", "x" → "displacement.x"; "displacement", "rx" → "rotation.x"."""
     return f"{ABOUT[kind] if direction.startswith('r') else kind}.{direction[-1]}"

@@ -114,9 +114,10 @@ def _in_words(table: type[Table], error: ErrorDetails) -> InitErrorDetails:
     if kind in (_MISTAKE, _UNKNOWN_KEY):
         return _details(kind, error["msg"], place)
     key = str(place[0])
+    fields = {field.alias or name: field for name, field in table.model_fields.items()}
     if kind == "extra_forbidden":
-        return _details(_UNKNOWN_KEY, _unknown(key, list(table.model_fields)), place)
-    field = table.model_fields[key]
+        return _details(_UNKNOWN_KEY, _unknown(key, list(fields)), place)
+    field = fields[key]
     words = f"{'missing' if kind == 'missing' else f'got {shown(got)}'}, expected {field.description}"
     if isinstance(got, str) and kind in ("float_type", "int_type"):
         words += "; remove the quotes"
