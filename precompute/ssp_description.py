@@ -18,6 +18,7 @@ NAMESPACES = {
     "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
     "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
     "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
+    "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
 }
 OSP = "com.opensimulationplatform"  # libcosim's annotation of the step size; SSP 1.0 has no place for it
 START = "initialValues"  # one name for all parameter sets: ecos applies those of one name
@@ -155,7 +156,5 @@ def _add_experiment(root: ET.Element, file: SystemFile, elements: Mapping[str, E
     experiment = ET.SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(stop))
     annotations = ET.SubElement(experiment, "ssd:Annotations")
     annotation = ET.SubElement(annotations, "ssc:Annotation", type=OSP)
-    algorithm = ET.SubElement(
-        annotation, "osp:Algorithm", {"xmlns:osp": "http://opensimulationplatform.com/SSP/OSPAnnotations"}
-    )
+    algorithm = ET.SubElement(annotation, "osp:Algorithm")  # libcosim takes an attribute for an algorithm
     ET.SubElement(algorithm, "osp:FixedStepAlgorithm", baseStepSize=repr(step))

@@ -2,8 +2,8 @@
 
 A master that steps all FMUs side by side breaks such a loop by a delay of one step. Where forces go one way
 and motions the other that is an approximation, stable while the loop's gain is below 1. Where only loads go
-round, or only motions, it is none: two bodies are joined rigidly and neither is told how to move, or both are,
-and at no step size what goes round is the solution of anything.
+round, or only motions, it is none: two bodies are joined rigidly and neither is told how to move, or both
+are, and at no step size what goes round is the solution of anything.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
