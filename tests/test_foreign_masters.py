@@ -101,7 +101,7 @@ def test_ecos(free: Path) -> None:
 
 @has_libraries
 def test_ecos_runs_until_a_time(free: Path) -> None:
-    """It steps while t + h < T, so that T = n h gives n - 1 steps, and half a step more those that are meant."""
+    """It steps while t + h < T: T = n h gives n - 1 steps, and half a step more those that are meant."""
     found = run("ecos.py", free, STEPS + 0.5, STEP, "until")["left.tip.displacement.x"]
     expected = run("jacobi.py", free, STEPS, STEP, "ecos")["left.tip.displacement.x"]
     assert len(found) == 1

@@ -1,4 +1,4 @@
-"""The reference: FMPy's FMU2Slave in a plain loop over the FMUs of an SSP, side by side (Jacobi, held inputs).
+"""The reference: FMPy's FMU2Slave in a plain loop over the FMUs of an SSP (Jacobi, held inputs).
 
     python jacobi.py FILE.ssp STEPS STEP MASTER
 
