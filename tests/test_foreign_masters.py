@@ -4,16 +4,12 @@ Each runs in a process of its own (tests/foreign). The loop does what the master
 that rounding is all that may differ: 1e-12 of the largest value, some thousand roundings.
 """
 
-import json
-import platform
-import subprocess
-import sys
-from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+from foreign_masters import SAME, difference, has_libraries, run
 from foreign_systems import (
     CONNECTORS,
     DAMPER,
@@ -30,29 +26,7 @@ from scipy.linalg import expm
 from precompute.arrays import Floats
 from precompute.cli import main
 
-FOREIGN = Path(__file__).parent / "foreign"
 STEPS, STEP = 1000, 1e-3
-SAME = 1e-12
-
-Record = Mapping[str, Floats]
-
-has_libraries = pytest.mark.skipif(
-    platform.machine() not in ("x86_64", "AMD64") or sys.platform == "darwin",
-    reason="libcosimpy and ecospy have libraries for x86-64 Linux and Windows only",
-)
-
-
-def run(script: str, *arguments: object) -> Record:
-    """What a script of tests/foreign prints in its last line."""
-    done = subprocess.run(
-        [sys.executable, "-I", str(FOREIGN / script), *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        encoding="utf-8",
-        timeout=120,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return {key: np.array(values) for key, values in json.loads(done.stdout.splitlines()[-1]).items()}
 
 
 def ssp(folder: Path, text: str) -> Path:
@@ -60,13 +34,6 @@ def ssp(folder: Path, text: str) -> Path:
     path = folder / "pair.ssp"
     assert main(["ssp", str(write_pair(folder, text)), "-o", str(path)]) == 0
     return path
-
-
-def difference(found: Record, expected: Record) -> float:
-    """The largest difference of one of `found`, relative to its largest value; all of them move."""
-    assert {*found} <= {*expected}
-    assert all(abs(expected[key]).max() > 1e-6 for key in found)
-    return max(abs(found[key] - expected[key]).max() / abs(expected[key]).max() for key in found)
 
 
 @pytest.fixture(scope="module")

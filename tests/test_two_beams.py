@@ -1,0 +1,72 @@
+"""The two beams of models/: packaged by the command, run by three masters, beside theory."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from foreign_masters import SAME, difference, has_libraries, run
+from ready_parts import MODELS, table
+
+from precompute.arrays import Floats
+from precompute.cli import main
+from precompute.part import read_part
+from precompute.pipeline import reduce_part
+
+SPRING = 1000.0  # N/m, of system.toml
+STEP = 2e-4
+
+
+@pytest.fixture(scope="module")
+def system(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("two_beams") / "two_beams.ssp"
+    assert main(["ssp", str(MODELS / "two_beams"), "-o", str(path), "--no-certificate"]) == 0
+    return path
+
+
+def rises(x: Floats) -> float:
+    """The frequency of a signal by the times at which it rises through its mean."""
+    x = x - x.mean()
+    k = np.flatnonzero((x[:-1] < 0) & (x[1:] >= 0))
+    times = k - x[k] / (x[k + 1] - x[k])
+    return float((len(times) - 1) / (times[-1] - times[0]) / STEP)
+
+
+@has_libraries
+def test_libcosim_and_ecos_run_real_parts(system: Path) -> None:
+    """Both take the start value of the push; the beams beat as the eigenvalues of one matrix say."""
+    found = run("libcosim.py", system, 10_000)
+    assert difference(found, run("jacobi.py", system, 10_000, STEP, "libcosim")) <= SAME
+    left, right = found["left.tip.displacement.z"], found["right.tip.displacement.z"]
+    model = reduce_part(read_part(MODELS / "two_beams" / "beam.toml")).model
+    b = model.B[:, model.inputs.index("tip.force.z")]
+    alone = model.frequency[0]
+    held = np.sqrt(np.linalg.eigvalsh(np.diag(model.lam) + 2 * SPRING * np.outer(b, b))[0]) / (2 * np.pi)
+    # the joint's damper, the delay of the force and the higher modes in the signal move them by 2e-4
+    assert rises(left + right) == pytest.approx(alone, rel=5e-4)
+    assert rises(left - right) == pytest.approx(held, rel=5e-4)
+    assert held > 1.05 * alone
+    steps = 1000
+    assert (
+        difference(run("ecos.py", system, steps, STEP), run("jacobi.py", system, steps, STEP, "ecos")) <= SAME
+    )
+
+
+def test_demo_and_the_table(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, str(MODELS / "two_beams" / "demo.py"), str(tmp_path / "out")],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        cwd=tmp_path,
+        timeout=120,
+        env={**os.environ, "MPLBACKEND": "agg", "PYTHONIOENCODING": "utf-8"},
+    )
+    assert done.returncode == 0, done.stderr
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"two_beams.ssp", "beats.png"}
+    for row in table("two_beams", ""):
+        assert row["FMUs"] in done.stdout, row
+        assert row["theory"] in done.stdout, row
+        assert abs(float(row["FMUs"]) / float(row["theory"]) - 1) < 3e-3
