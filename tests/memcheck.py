@@ -12,13 +12,14 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from examples import everything
 from native_fmu import native_fmu
 from native_library import TESTS, compile_into
 
+from fmu_src.runtime.model import ReducedModel
 from fmu_src.toolchain import fmi_headers
 
 SANITIZERS = {
@@ -57,8 +58,8 @@ def lives_flags() -> list[str]:
     return ["-g", "-O1", "-pthread", f"-I{fmi_headers()}"]
 
 
-def lives_arguments(instances: int, threads: int) -> list[str]:
-    fmu = native_fmu(everything)
+def lives_arguments(instances: int, threads: int, make: Callable[[], ReducedModel] = everything) -> list[str]:
+    fmu = native_fmu(make)
     sizes = (fmu.modes, len(fmu.inputs), len(fmu.outputs), instances, threads)
     return [fmu.guid, fmu.resources, *map(str, sizes)]
 

@@ -1,5 +1,6 @@
 """modalfmu ssp: what a system file becomes, and what is refused."""
 
+import tomllib
 import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -11,7 +12,9 @@ from foreign_systems import LINEAR, SYSTEM, write_pair
 from lxml import etree
 from small_part import write_part
 
+import precompute
 from precompute.cli import main
+from precompute.ssp_file import SystemFile
 
 NS = {
     "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
@@ -428,3 +431,14 @@ def test_rigid_joints_of_real_parts(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "a rigid loop without motion" in refused(capsys, tmp_path, parts + facing)
     riding = wire("left.tip.acceleration.z", "right.base.acceleration.z") + back
     assert "each depends on the one before at once" in notices(capsys, tmp_path, parts + riding)
+
+
+def test_the_example_of_the_document_is_right() -> None:
+    """All of its keys are known, and no key of a system file is missing there."""
+    text = (Path(precompute.__file__).parent / "SYSTEM.md").read_text(encoding="utf-8")
+    example = tomllib.loads(text.partition("```toml\n")[2].partition("```")[0])
+    file = SystemFile.model_validate(example, context=Path())
+    assert {*example} == {*SystemFile.model_fields}
+    assert [one.name for one in file.component] == ["boom", "controller", "hook"]
+    assert file.component[0].start == {"damping.alpha": 2.0, "tip.force.y": 5.0}
+    assert file.connection[1].factor == -1.0
