@@ -2,7 +2,7 @@
 
 import tomllib
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -413,24 +413,6 @@ def test_notices(two: Path, capsys: pytest.CaptureFixture[str], tables: list[str
 )
 def test_what_is_no_loop(two: Path, capsys: pytest.CaptureFixture[str], tables: list[str]) -> None:
     assert "at once" not in notices(capsys, two, system_of(["left", "right", "other"], *tables))
-
-
-def test_rigid_joints_of_real_parts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Supports whose forces meet are refused; a part that rides on the other is a loop with a notice."""
-    changes: Mapping[str, str] = {
-        'fix = ["x", "y", "z"]\n': 'fix = ["x", "y", "z"]\nname = "clamp"\noutputs = ["reaction.z"]\n',
-        'outputs = ["displacement.x", ': 'outputs = ["acceleration.z", "displacement.x", ',
-        "[modes]\n": '[loads]\nbase = ["z"]\n\n[modes]\n',
-    }
-    write_part(tmp_path, *changes.items())
-    parts = '[system]\nname = "s"\n' + "".join(
-        f'[[component]]\nname = "{name}"\npart = "."\n' for name in ("left", "right")
-    )
-    back = wire("right.clamp.reaction.z", "left.tip.force.z", "factor = -1.0")
-    facing = wire("left.clamp.reaction.z", "right.tip.force.z") + back
-    assert "a rigid loop without motion" in refused(capsys, tmp_path, parts + facing)
-    riding = wire("left.tip.acceleration.z", "right.base.acceleration.z") + back
-    assert "each depends on the one before at once" in notices(capsys, tmp_path, parts + riding)
 
 
 def test_the_example_of_the_document_is_right() -> None:
