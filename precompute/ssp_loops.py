@@ -9,7 +9,7 @@ are, and at no step size what goes round is the solution of anything.
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
-from scipy.sparse import coo_array
+from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from .errors import SspError
@@ -47,34 +47,36 @@ def check_loops(wires: Sequence[Wire], elements: Mapping[str, Element]) -> None:
         )
 
 
-def _feedthrough(face: Face, untold: Iterable[str]) -> dict[str, list[str]]:
+def _feedthrough(face: Face, untold: Iterable[str]) -> dict[str, set[str]]:
     """Output → the inputs that it depends on at once; `untold` where the FMU does not say."""
     unknowns = {unknown.variable.name: unknown.dependencies for unknown in face.description.outputs}
     return {
-        output: [*untold]
+        output: {*untold}
         if unknowns.get(output) is None
-        else [v.name for v in unknowns[output] if v.causality == "input"]
+        else {v.name for v in unknowns[output] if v.causality == "input"}
         for output in face.outputs
     }
 
 
-def _loop(wires: Sequence[Wire], through: Mapping[str, Mapping[str, list[str]]]) -> list[Wire]:
+def _loop(wires: Sequence[Wire], through: Mapping[str, Mapping[str, set[str]]]) -> list[Wire]:
     """The wires of a shortest closed path in their order, empty where there is none.
 
     A wire follows another where the output it comes from depends on the input that the other goes to.
     """
+    leaving: dict[str, list[int]] = {}
+    for j, wire in enumerate(wires):
+        leaving.setdefault(wire.source.element, []).append(j)
     after = [
         (i, j)
-        for i, one in enumerate(wires)
-        for j, other in enumerate(wires)
-        if one.target.element
-        and one.target.element == other.source.element
-        and one.target.connector in through[one.target.element].get(other.source.connector, ())
+        for i, wire in enumerate(wires)
+        if wire.target.element
+        for j in leaving.get(wire.target.element, ())
+        if wire.target.connector in through[wire.target.element][wires[j].source.connector]
     ]
     if not after:
         return []
     rows, columns = np.array(after).T
-    graph = coo_array((np.ones(len(after)), (rows, columns)), shape=(len(wires), len(wires))).tocsr()
+    graph = csr_array((np.ones(len(after)), (rows, columns)), shape=(len(wires), len(wires)))
     count, label = connected_components(graph, connection="strong")
     for k in range(count):
         members = np.flatnonzero(label == k)
@@ -85,7 +87,7 @@ def _loop(wires: Sequence[Wire], through: Mapping[str, Mapping[str, list[str]]])
     return []
 
 
-def _circle(graph: coo_array, start: int) -> list[int]:
+def _circle(graph: csr_array, start: int) -> list[int]:
     """A shortest closed path from `start`, which is on one."""
     order, before = breadth_first_order(graph, start)
     last = next(int(i) for i in order if graph[i, start])
