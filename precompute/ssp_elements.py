@@ -37,12 +37,12 @@ def read_elements(
         for k, component in enumerate(file.component):
             path = component.fmu
             if component.part is not None:
-                if component.part not in built:
-                    reduction = reduce_part(read_part(component.part), progress, certified=certified)
-                    # the number keeps parts of one name apart
-                    target = Path(folder, f"{len(built)}.fmu")
-                    built[component.part] = package(reduction, target, progress, build)
-                path = built[component.part]
+                part = read_part(component.part)
+                if part.source not in built:
+                    target = Path(folder, f"{len(built)}.fmu")  # the number keeps parts of one name apart
+                    reduction = reduce_part(part, progress, certified=certified)
+                    built[part.source] = package(reduction, target, progress, build)
+                path = built[part.source]
             assert path is not None  # the table has one of the two
             face = describe(path)
             where = f"component[{k + 1}].start"

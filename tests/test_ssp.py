@@ -2,7 +2,7 @@
 
 import tomllib
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import pytest
@@ -13,8 +13,12 @@ from lxml import etree
 from small_part import write_part
 
 import precompute
+from fmu_src.native_fmu import build_native_fmu
+from fmu_src.runtime.model import ReducedModel
 from precompute.cli import main
-from precompute.ssp_file import SystemFile
+from precompute.pipeline import silent
+from precompute.ssp_elements import read_elements
+from precompute.ssp_file import SystemFile, read_system_file
 
 NS = {
     "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
@@ -233,6 +237,16 @@ stiffness = { x = 1e4, z = 2e4 }
     names = {c.name for c in read_ssd(str(path)).system.elements}
     assert names == {"one", "two", "mount"}
     assert len(read_ssd(str(path)).system.connections) == 8
+    built = []
+
+    def build(model: ReducedModel, target: Path, extra: Mapping[str, bytes]) -> Path:
+        built.append(model.name)
+        return build_native_fmu(model, target, extra)
+
+    file, _ = read_system_file(tmp_path / "system.toml")
+    elements = read_elements(file, build, silent, certified=False)
+    assert built == ["bar", "mount"]
+    assert elements["one"].fmu == elements["two"].fmu
 
 
 # --- what is refused
