@@ -5,6 +5,7 @@ import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+import fmpy.ssp
 import pytest
 from described_fmus import UNITS, describe_fmu
 from fmpy.ssp.ssd import Component, read_ssd
@@ -205,7 +206,10 @@ def test_start_values_of_every_type(two: Path) -> None:
     text = system_of(["left"]).replace(
         'fmu = "left.fmu"', 'fmu = "left.fmu"\nstart = { mode = 2, on = true, tip.force.x = 1.5 }'
     )
-    values = structure(packaged(two, text)).findall(".//ssv:Parameter", NS)
+    root = structure(packaged(two, text))
+    schema = Path(fmpy.ssp.__file__).parent / "schema" / "SystemStructureParameterValues.xsd"
+    etree.XMLSchema(file=str(schema)).assertValid(root.find(".//ssv:ParameterSet", NS))
+    values = root.findall(".//ssv:Parameter", NS)
     assert {(v.get("name"), etree.QName(v[0]).localname, v[0].get("value")) for v in values} == {
         ("mode", "Integer", "2"),
         ("on", "Boolean", "true"),

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -52,6 +53,23 @@ def test_libcosim_and_ecos_run_real_parts(system: Path) -> None:
     assert (
         difference(run("ecos.py", system, steps, STEP), run("jacobi.py", system, steps, STEP, "ecos")) <= SAME
     )
+
+
+def test_one_fmu_of_both(system: Path, tmp_path: Path) -> None:
+    """A container of two instances of one part and their joint, by fmucontainer, run by FMPy."""
+    text = (MODELS / "two_beams" / "system.toml").read_text(encoding="utf-8")
+    with zipfile.ZipFile(system) as archive:
+        archive.extractall(tmp_path)
+    text = text.replace('part = "beam.toml"', f'fmu = "{tmp_path.as_posix()}/resources/left.fmu"')
+    text += '[[input]]\nname = "push"\nto = ["left.push.force.z"]\n'
+    names = {"z_left": "left.tip.displacement.z", "z_right": "right.tip.displacement.z"}
+    text += "".join(f'[[output]]\nname = "{key}"\nfrom = "{name}"\n' for key, name in names.items())
+    (tmp_path / "system.toml").write_text(text, encoding="utf-8")
+    path = tmp_path / "two_beams.ssp"
+    assert main(["ssp", str(tmp_path), "-o", str(path)]) == 0
+    found, loop = (run(script, path, 1000, STEP, "container") for script in ("container.py", "jacobi.py"))
+    assert {*found} == {*names}
+    assert difference(found, {key: loop[name] for key, name in names.items()}) <= SAME
 
 
 def test_demo_and_the_table(tmp_path: Path) -> None:
