@@ -38,8 +38,9 @@ def rises(x: Floats) -> float:
 @has_libraries
 def test_libcosim_and_ecos_run_real_parts(system: Path) -> None:
     """Both take the start value of the push; the beams beat as the eigenvalues of one matrix say."""
-    found = run("libcosim.py", system, 10_000)
-    assert difference(found, run("jacobi.py", system, 10_000, STEP, "libcosim")) <= SAME
+    found, steps = run("libcosim.py", system, 10_000), 1000
+    first = {key: values[:steps] for key, values in found.items()}
+    assert difference(first, run("jacobi.py", system, steps, STEP, "libcosim")) <= SAME
     left, right = found["left.tip.displacement.z"], found["right.tip.displacement.z"]
     model = reduce_part(read_part(MODELS / "two_beams" / "beam.toml")).model
     b = model.B[:, model.inputs.index("tip.force.z")]
@@ -49,7 +50,6 @@ def test_libcosim_and_ecos_run_real_parts(system: Path) -> None:
     assert rises(left + right) == pytest.approx(alone, rel=5e-4)
     assert rises(left - right) == pytest.approx(held, rel=5e-4)
     assert held > 1.05 * alone
-    steps = 1000
     assert (
         difference(run("ecos.py", system, steps, STEP), run("jacobi.py", system, steps, STEP, "ecos")) <= SAME
     )
