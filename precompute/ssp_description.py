@@ -149,8 +149,8 @@ def _add_unit(parent: ET.Element, unit: Unit) -> None:
 
 
 def _add_experiment(root: ET.Element, file: SystemFile, elements: Mapping[str, Element]) -> None:
-    """Left out: the longest time and the shortest step that an FMU suggests."""
-    faces = [element.face for element in elements.values()]
+    """Left out: the longest time and the shortest step that the FMU of a component suggests."""
+    faces = [elements[component.name].face for component in file.component]
     stop = file.experiment.stop or max((face.stop for face in faces if face.stop), default=1.0)
     step = file.experiment.step or min((face.step for face in faces if face.step), default=stop / 1000)
     experiment = ET.SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(stop))

@@ -59,6 +59,11 @@ def wires_of(file: SystemFile, elements: Mapping[str, Element]) -> list[Wire]:
                 "expected one source for an input; remove one of them"
             )
         sources[wire.target] = wire
+        if not wire.is_plain:
+            notice(
+                f"{wire.where}: {wire.target} = {wire.factor:g} · {wire.source} + {wire.offset:g}: FMPy and "
+                "fmucontainer do not do that, they pass on the value as it is"
+            )
     return wires
 
 
@@ -67,13 +72,7 @@ def _connections(file: SystemFile, elements: Mapping[str, Element]) -> Iterator[
         where = f"connection[{k + 1}]"
         source = _end(elements, connection.source, "output", f"{where}.from")
         target = _end(elements, connection.target, "input", f"{where}.to")
-        wire = _wire(elements, source, target, where, connection.factor, connection.offset)
-        if not wire.is_plain:
-            notice(
-                f"{where}: {target} = {wire.factor:g} · {source} + {wire.offset:g}: FMPy and fmucontainer do "
-                "not do that, they pass on the value as it is"
-            )
-        yield wire
+        yield _wire(elements, source, target, where, connection.factor, connection.offset)
 
 
 def _joints(file: SystemFile, elements: Mapping[str, Element]) -> Iterator[Wire]:
