@@ -16,7 +16,7 @@ import pyarrow.parquet as pq
 import pytest
 from distributed import Client, LocalCluster, Scheduler
 from examples import oscillator
-from ready_parts import MODELS
+from ready_parts import MODELS, reduction, table
 
 from fmu_src.native_fmu import build_native_fmu
 from fmu_src.runtime.model import Port
@@ -104,6 +104,28 @@ def test_the_variables_are_those_of_the_cantilever() -> None:
     assert len(sweep.cases()) == 1000
 
 
+def test_readme_says_what_is_computed(tmp_path: Path) -> None:
+    """Of the cantilever itself; printed with two decimals."""
+    fmu = build_native_fmu(reduction("cantilever").model, tmp_path / "cantilever.fmu")
+    rows = table("sweep", "damping.alpha")
+    alphas = [
+        alpha
+        for alpha in sweep.GRID["damping.alpha"]
+        if any(row["damping.alpha"] == f"{alpha:.2f}" for row in rows)
+    ]
+    for row, alpha in zip(rows, alphas, strict=True):
+        cases = [{"damping.alpha": alpha, "modes.active": r, "tip.force.z": 10.0} for r in (1, 3, 5, 20)]
+        found = [1e6 * run["peak"] / 10.0 for run in sweep.serial(fmu, cases)]
+        printed = [float(row[key]) for key in row if key.endswith(("1 mode", " modes"))]
+        np.testing.assert_allclose(printed, found, rtol=0, atol=0.0051)
+        zeta = 0.02 + alpha / (4 * np.pi * reduction("cantilever").model.frequency[0])
+        theory = 79.389 * (1 + np.exp(-np.pi * zeta / np.sqrt(1 - zeta**2)))
+        assert float(row["theory"]) == pytest.approx(theory, abs=0.0051)
+        assert float(row["20 modes, difference"].rstrip("%")) / 100 == pytest.approx(
+            found[-1] / theory - 1, abs=5.1e-4
+        )
+
+
 def test_one_mode_overshoots_as_it_must(fmu: Path) -> None:
     """Peak: F/λ (1 + exp(−πζ/√(1 − ζ²))); missed by at most 1 − cos(ωh/2) of it between samples."""
     cases = [case for case in sweep.cases() if case["modes.active"] == 1][::9]
@@ -124,8 +146,8 @@ def test_a_sweep_with_bad_runs_and_a_killed_worker(
         assert row.keys() == {*case, "reason"}
     path = tmp_path / "sweep.parquet"
     sweep.write(sweep.table(fmu, found), path)
-    table = pq.read_table(path)
-    units = {field.name: field.metadata[b"unit"].decode() for field in table.schema}
+    written = pq.read_table(path)
+    units = {field.name: field.metadata[b"unit"].decode() for field in written.schema}
     assert units == {
         "damping.alpha": "1/s",
         "modes.active": "1",
@@ -135,7 +157,7 @@ def test_a_sweep_with_bad_runs_and_a_killed_worker(
         "tip.displacement.z": "m",
         "reason": "",
     }
-    whole = [{key: value for key, value in row.items() if value is not None} for row in table.to_pylist()]
+    whole = [{key: value for key, value in row.items() if value is not None} for row in written.to_pylist()]
     assert whole[:30] + whole[34:] == expected
     assert [row["reason"] for row in whole[30:34]] == [row["reason"] for row in found[30:34]]
     assert [*tmp_path.iterdir()] == [path]
