@@ -17,7 +17,8 @@ Each step rounds besides, in q and in v, two products and their sum: at most 5u 
 have no direction and walk at random, with 0.43u as the mean error of one (mantissas being logarithmically
 distributed), together 0.9u of the energy; sizes of step that change have forms that differ by the rounding of
 E₂₁, 0.5u more. After N steps: u√N, half of it for the phase. Where a step is a simple fraction of a turn the
-modes come back to the same numbers, so do their roundings, and 5uN is all that can be said.
+modes come back to the same numbers, so do their roundings, and 5uN is all that can be said. Over very many
+steps of one size the roundings of other modes, too, are a little alike and walk some times as far.
 """
 
 from collections.abc import Mapping
@@ -100,11 +101,9 @@ def growth(lam: float, E: Mapping[float, Floats], sizes: Mapping[float, int], q:
         omega = mpmath.sqrt(lam)
         energy, phase, defect = mpmath.mpf(0), mpmath.mpf(0), 0.0
         for h, count in sizes.items():
-            (E11, E12), (E21, E22) = [[mpmath.mpf(float(e)) for e in row] for row in E[h]]
-            det = E11 * E22 - E12 * E21
-            turn = mpmath.atan2(mpmath.sign(E12) * mpmath.sqrt(-E12 * E21), (E11 + E22) / 2)
+            det = determinant(E[h])
             energy += count * mpmath.log(det)
-            phase += count * _near_zero(turn - omega * h)
+            phase += count * near_zero(turn(E[h]) - omega * h)
             defect = max(defect, abs(float(det - 1)))
         time = mpmath.fsum(count * mpmath.mpf(h) for h, count in sizes.items())
         reached = mpmath.atan2(-mpmath.mpf(v), omega * q)
@@ -115,11 +114,27 @@ def growth(lam: float, E: Mapping[float, Floats], sizes: Mapping[float, int], q:
             energy_expected=float(energy),
             energy=float(mpmath.log((lam * mpmath.mpf(q) ** 2 + mpmath.mpf(v) ** 2) / lam)),
             phase_expected=float(phase),
-            phase=float(_near_zero(reached - omega * time)),
+            phase=float(near_zero(reached - omega * time)),
         )
 
 
-def _near_zero(angle: mpmath.mpf) -> mpmath.mpf:
+def determinant(E: Floats) -> mpmath.mpf:
+    """det E of the numbers as they are."""
+    (E11, E12), (E21, E22) = _exact(E)
+    return E11 * E22 - E12 * E21
+
+
+def turn(E: Floats) -> mpmath.mpf:
+    """θ̂ in −π … π."""
+    (E11, E12), (E21, E22) = _exact(E)
+    return mpmath.atan2(mpmath.sign(E12) * mpmath.sqrt(-E12 * E21), (E11 + E22) / 2)
+
+
+def _exact(E: Floats) -> list[list[mpmath.mpf]]:
+    return [[mpmath.mpf(float(e)) for e in row] for row in E]
+
+
+def near_zero(angle: mpmath.mpf) -> mpmath.mpf:
     """The same angle in −π … π."""
     turns = 2 * mpmath.pi
     return angle - turns * mpmath.nint(angle / turns)

@@ -14,9 +14,12 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # the helpers of the tests
 
+import numpy as np
+from endurance.defects import BANDS, EACH, survey
 from endurance.energy import PLANS, endure, growths
 from endurance.kills import killed, uninterrupted
 from endurance.programs import SANITIZERS, program, run, sanitized
+from endurance.rotation import DEFECT
 from examples import everything
 from native_fmu import native_fmu
 
@@ -35,6 +38,7 @@ def main() -> int:
     print(f"{platform.machine()}, {os.cpu_count()} processors, load {os.getloadavg()[0]:.1f} at the start")
     sound = [
         undamped(int(given.steps)),
+        coefficients(),
         crowd(given.instances),
         threads(),
         memory(given.instances),
@@ -85,6 +89,22 @@ def undamped(steps: int) -> bool:
                 f" {g.energy_walk:7.1f}  {g.phase:10.2e} {g.phase_expected:10.2e} {g.phase_walk:7.1f}"
             )
     return sound
+
+
+def coefficients() -> bool:
+    head(f"det E - 1 and the turn of a step less omega h, rms (largest), {EACH} modes at random in each band")
+    print(
+        f"{'omega h':>12}  {'FMU':>17}  {'rounded correctly':>17}  {'cos - 1 kept':>17}"
+        f"  {'turn, FMU':>17}  {'rounded correctly':>17}  [1, rad]"
+    )
+    found = survey()
+    for (low, high), x in zip(BANDS, found, strict=True):
+        texts = (
+            f"{np.sqrt(np.mean(y**2)):.1e} ({np.abs(y).max():.1e})"
+            for y in (x.fmu, x.correct, x.increments, x.turn, x.turn_correct)
+        )
+        print(f"{low:5.3g} .. {high:4.3g}", *(f"{text:>17}" for text in texts), sep="  ")
+    return all(np.abs(x.fmu).max() <= DEFECT for x in found)
 
 
 def crowd(instances: int) -> bool:
