@@ -33,6 +33,7 @@ GRID: dict[str, Iterable[float]] = {
 }
 OUTPUT = "tip.displacement.z"
 STEP, STOP = 5e-4, 0.5  # s
+TASK = 10  # runs, of 10 ms each; a task costs Dask some milliseconds
 
 
 def cases() -> list[Row]:
@@ -108,23 +109,34 @@ def stopwatch() -> Any:
     return goes_on
 
 
-def run(case: Row) -> Row:
+def run(cases: list[Row]) -> list[Row]:
     """The task of a worker."""
     part: Part = get_worker().plugins[Part.name]
-    return part.run(case)
+    return [part.run(case) for case in cases]
 
 
-def sweep(client: Client, fmu: Path, cases: list[Row]) -> list[Row]:
+def sweep(client: Client, fmu: Path, cases: list[Row], size: int = TASK) -> list[Row]:
     """A row for each case, in their order: of what failed, and of what killed its workers, the reason."""
     client.register_plugin(Part(fmu))
-    futures = client.map(run, cases, pure=False)
+    return rows(client, cases, size)
+
+
+def rows(client: Client, cases: list[Row], size: int) -> list[Row]:
+    """So many runs a task; those of a task that killed its workers once more, each by itself."""
+    tasks = [cases[k : k + size] for k in range(0, len(cases), size)]
+    futures = client.map(run, tasks, pure=False)
     progress(futures, notebook=False)
     print()
-    found = iter(client.gather(futures, errors="skip"))  # waits once more for what a dying worker took along
-    return [
-        case | {"reason": str(future.exception())} if future.status == "error" else next(found)
-        for case, future in zip(cases, futures, strict=True)
-    ]
+    done = iter(client.gather(futures, errors="skip"))  # waits once more for what a dying worker took along
+    found = []
+    for task, future in zip(tasks, futures, strict=True):
+        if future.status != "error":
+            found += next(done)
+        elif size > 1:
+            found += rows(client, task, 1)
+        else:
+            found.append(task[0] | {"reason": str(future.exception())})
+    return found
 
 
 def serial(fmu: Path, cases: list[Row]) -> list[Row]:
