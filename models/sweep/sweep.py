@@ -33,7 +33,7 @@ GRID: dict[str, Iterable[float]] = {
 }
 OUTPUT = "tip.displacement.z"
 STEP, STOP = 5e-4, 0.5  # s
-TASK = 10  # runs, of 10 ms each; a task costs Dask some milliseconds
+TASK = 10  # runs, of some 10 ms each; a task costs Dask some milliseconds
 
 
 def cases() -> list[Row]:
