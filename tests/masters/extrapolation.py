@@ -12,9 +12,9 @@ From t to t + h every input is a polynomial that ends at the value û at t + h:
     linear      ŷ = y + (y − y₋)/h₋ h        y₋ at the point before
     derivative  ŷ = y + ẏ h + ÿ h²/2         which makes u(s) Taylor's polynomial, if g is linear
 
-Between the points the inputs are wrong by O(h), O(h²), O(h³); the parts step exactly under them, so a
-master has order 1, 2, 3. Source: Kübler and Schiehlen, Two methods of simulator coupling, Math. Comput. Model.
-Dyn. Syst. 6 (2000); Busch, Zur effizienten Kopplung von Simulationsprogrammen, 2012.
+Between the points the inputs are wrong by O(h), O(h²), O(h³), and the parts step exactly under them, so a
+master has order 1, 2, 3. Source: Kübler and Schiehlen, Two methods of simulator coupling, Math. Comput.
+Model. Dyn. Syst. 6 (2000) 93–113; Busch, Zur effizienten Kopplung von Simulationsprogrammen, Kassel 2012.
 """
 
 from dataclasses import dataclass
@@ -31,9 +31,10 @@ ORDER = {"hold": 1, "linear": 2, "derivative": 3}
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """What a master knows at a communication point: t, Y = y, ẏ, ÿ and U = u, u̇ (the rates if it asks for them).
+    """What a master knows at a communication point.
 
-    before: t and y at the point before, none at the start, where linear extrapolation begins with a hold.
+    t in s; Y: y, or y, ẏ, ÿ, (1 or 3, p); U: u, or u, u̇, (1 or 2, m): with rates where the master asks for
+    them; before: t, y at the point before, none at the start, where linear extrapolation begins with a hold.
     """
 
     t: float
@@ -46,9 +47,14 @@ class Point:
         """The outputs (p,)."""
         return self.Y[0]
 
+    @property
+    def u(self) -> Floats:
+        """The inputs (m,) that the outputs here ask for."""
+        return self.U[0]
+
 
 def observe(system: Coupled, kind: Kind, t: float, before: Point | None = None) -> Point:
-    """The system at t. The rates follow from each other: u gives ẏ, ẏ gives u̇, u̇ gives ÿ."""
+    """The system at t. Rates follow from each other: u gives ẏ, that gives u̇, and that gives ÿ."""
     Y = system.y()[None]
     U = system.law(t, Y[0])[None]
     if kind == "derivative":
@@ -62,17 +68,13 @@ def observe(system: Coupled, kind: Kind, t: float, before: Point | None = None) 
 
 def predicted(kind: Kind, point: Point, h: float) -> Floats:
     """ŷ (p,) at t + h."""
-    match kind:
-        case "hold":
-            return point.y.copy()
-        case "linear":
-            if point.before is None:
-                return point.y.copy()
-            t, y = point.before
-            return point.y + h * (point.y - y) / (point.t - t)
-        case "derivative":
-            y, y_dot, y_ddot = point.Y
-            return y + h * y_dot + h**2 / 2 * y_ddot
+    if kind == "derivative":
+        y, y_dot, y_ddot = point.Y
+        return y + h * y_dot + h**2 / 2 * y_ddot
+    if kind == "linear" and point.before is not None:
+        t, y = point.before
+        return point.y + h * (point.y - y) / (point.t - t)
+    return point.y.copy()
 
 
 def polynomial(kind: Kind, point: Point, h: float, u_end: Floats) -> Floats:
@@ -81,7 +83,7 @@ def polynomial(kind: Kind, point: Point, h: float, u_end: Floats) -> Floats:
         case "hold":
             return u_end[None]
         case "linear":
-            return np.stack([point.U[0], (u_end - point.U[0]) / h])
+            return np.stack([point.u, (u_end - point.u) / h])
         case "derivative":
             u, u_dot = point.U
             return np.stack([u, u_dot, 2 * (u_end - u - h * u_dot) / h**2])

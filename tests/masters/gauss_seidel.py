@@ -6,7 +6,7 @@ from run import Step
 
 
 def gauss_seidel(kind: Kind) -> Step:
-    """As `jacobi`, with the outputs of parts that have stepped in place of predictions. Order 1, 2, 3 by `kind`."""
+    """As `jacobi`, with what parts have computed in place of what was predicted of them. Order 1, 2, 3."""
 
     def step(system: Coupled, point: Point, h: float) -> Point:
         y = predicted(kind, point, h)

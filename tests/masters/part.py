@@ -13,7 +13,7 @@ class Part(Protocol):
         """m, p."""
 
     def set(self, U: Floats) -> None:
-        """u, u̇, ü here, U (1 … 3, m): the inputs over the next step are u + u̇ s + ü s²/2; held, if one row."""
+        """U = u, u̇, ü here, (1 … 3, m): over the next step the inputs are u + u̇ s + ü s²/2."""
 
     def outputs(self) -> Floats:
         """y (p,) here."""
