@@ -1,6 +1,6 @@
 """Step-size control: one step beside two of half its size."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from coupled import Coupled
@@ -34,7 +34,7 @@ def step_doubling(
     while (left := end - points[-1].t) > control.smallest:
         h = min(h, left)
         with system.saved() as roll_back:
-            whole = step(system, points[-1], h)
+            whole = step(system, coarse(points), h)
             roll_back()
             middle = step(system, points[-1], h / 2)
             after = step(system, middle, h / 2)
@@ -47,3 +47,9 @@ def step_doubling(
         if error < 2.0 ** -(p + 2):
             h *= 2
     return points
+
+
+def coarse(points: list[Point]) -> Point:
+    """The last point as whole steps see it: what was before it is where the last whole step began."""
+    last = points[-1]
+    return last if len(points) < 3 else replace(last, before=(points[-3].t, points[-3].y))

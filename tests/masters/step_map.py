@@ -9,6 +9,7 @@ from fixed_point import NotConverged
 from linear_part import LinearPart, StateSpace
 from run import Step
 from scipy.optimize import bisect
+from threadpoolctl import threadpool_limits
 
 from fmu_src.runtime.model import Floats
 
@@ -52,11 +53,12 @@ def largest_stable_step(
         except NotConverged:
             return 1.0
 
-    if excess(lowest) > 0:
-        return 0.0
-    h = lowest
-    while h < highest:
-        if excess(ratio * h) > 0:
-            return float(bisect(excess, h, ratio * h, xtol=1e-9 * h))
-        h *= ratio
+    with threadpool_limits(1):  # for matrices this small, threads take longer than the work
+        if excess(lowest) > 0:
+            return 0.0
+        h = lowest
+        while h < highest:
+            if excess(ratio * h) > 0:
+                return float(bisect(excess, h, ratio * h, xtol=1e-9 * h))
+            h *= ratio
     return np.inf

@@ -98,4 +98,7 @@ def draw_errors(axes: Axes, rows: Sequence[Row]) -> None:
             linewidth=1.2,
         )
     axes.set(xlabel="h / ms", ylabel="largest error / peak")
+    ticks = [1e3 * h for h in rows[0].h]
+    axes.set_xticks(ticks, [f"{h:g}" for h in ticks])
+    axes.minorticks_off()
     axes.grid(alpha=0.3)
