@@ -57,8 +57,8 @@ def monolith(body: Body) -> Monolith:
     angular velocity, of each port.
     """
     n = len(body.M)
-    S = np.sqrt(np.diag(body.K) / np.diag(body.M))
-    S[S == 0] = 1.0  # 1/s: a rigid motion
+    S = np.sqrt(np.maximum(np.diag(body.K), 0.0) / np.diag(body.M))
+    S[S == 0] = 1.0  # 1/s: a rigid motion, whose Kᵢᵢ may be rounding of either sign
     solved = np.linalg.solve(body.M, np.hstack([body.K / S, body.D]))
     A = np.block([[np.zeros((n, n)), np.diag(S)], [-solved[:, :n], -solved[:, n:]]])
     inputs, outputs = {}, {}
