@@ -14,6 +14,7 @@ from ready_parts import table
 from run import points, run
 from step_map import spectral_radius, step_map
 from table import Algorithm, errors
+from threadpoolctl import threadpool_limits
 
 from fmu_src.runtime.model import Floats
 from fmu_src.runtime.propagator import propagator
@@ -23,8 +24,9 @@ MASTERS = [*README]
 
 
 @pytest.fixture(scope="module")
-def pair(tmp_path_factory: pytest.TempPathFactory) -> Pair:
-    return build(tmp_path_factory.mktemp("pair"))
+def pair(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Pair]:
+    with threadpool_limits(1):  # for matrices this small, threads take longer than the work
+        yield build(tmp_path_factory.mktemp("pair"))
 
 
 def named(pair: Pair, name: str) -> Algorithm:
@@ -231,11 +233,10 @@ def test_power_bonds_make_no_energy(pair: Pair) -> None:
     for h, count in ((5e-5, 400), (2e-3, 100), (0.1, 30)):
         # a rounding a step, of forces that are a few times those of a static deflection
         assert np.abs(free.energy(bond, h, count)).max() < 1e-12
-    for name in MASTERS:
+    for name in ("Jacobi, hold", "Gauss–Seidel, linear", "interface Newton, derivative"):
         drift = np.abs(free.energy(named(free, name), END / 800, 800)).max()
-        if name != "power bond":
-            assert drift > 1e-8
-            assert drift == pytest.approx(float(README[name]["energy drift"]), rel=0.06)
+        assert drift > 1e-8
+        assert drift == pytest.approx(float(README[name]["energy drift"]), rel=0.06)
     # a damper takes c Δδ²/h in a step, no more and no less
     lost = pair.energy(named(pair, "power bond"), 1e-3, 50)
     assert (np.diff(lost) <= 0).all()
