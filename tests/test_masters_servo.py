@@ -75,7 +75,10 @@ def test_steps_that_pass_over_the_samples_are_of_order_one(column: Servo) -> Non
     assert float(row["error, n = 128"]) == pytest.approx(wrong[1], rel=0.05)  # two digits
 
 
-@pytest.mark.parametrize("name", MASTERS)
+DIRECT = [name for name in MASTERS if not name.startswith("fixed point")]
+
+
+@pytest.mark.parametrize("name", DIRECT)
 def test_orders_of_column_and_coil(column: Servo, name: str) -> None:
     algorithm, expected = MASTERS[name], exact(voltage=True)
     wrong = [
@@ -87,6 +90,18 @@ def test_orders_of_column_and_coil(column: Servo, name: str) -> None:
     printed = ROWS[name]
     assert float(printed["order"]) == pytest.approx(algorithm.order, abs=0.05)
     assert float(printed["error, h = 0.0625 ms"]) == pytest.approx(wrong[1] / 2**order, rel=0.1)
+
+
+def test_fixed_points_are_what_newton_finds(column: Servo) -> None:
+    lengths = dividing(PERIOD, 4, 10)
+    ends = [
+        column.by_voltage(MASTERS[f"{way}, linear"], lengths)[1][-1]
+        for way in ("fixed point", "interface Newton")
+    ]
+    np.testing.assert_allclose(ends[0], ends[1], atol=1e-9 * np.abs(ends[0]).max())  # both stop at 1e-11
+    for kind in ("hold", "linear", "derivative"):
+        rows = [[*ROWS[f"{way}, {kind}"].values()][1:4] for way in ("fixed point", "interface Newton")]
+        assert rows[0] == rows[1]
 
 
 @pytest.mark.parametrize("name", MASTERS)
