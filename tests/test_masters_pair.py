@@ -9,7 +9,7 @@ from coupled import Coupled, Linear
 from extrapolation import ORDER, Kind, observe
 from fixed_point import MOST, TOLERANCE, NotConverged, fixed_point
 from interface_newton import interface_newton, sensitivity
-from pair import DAMPING, END, INPUTS, NAMES, OUTPUTS, STIFFNESS, Pair, build
+from pair import DAMPING, END, INPUTS, NAMES, OUTPUTS, STIFFNESS, TOLERANCES, Pair, build, controlled
 from ready_parts import table
 from run import points, run
 from step_map import spectral_radius, step_map
@@ -248,3 +248,15 @@ def test_power_bonds_are_stable_at_every_step(pair: Pair) -> None:
     assert README["power bond"]["largest stable h / ms"] == "any"
     for h in np.geomspace(1e-6, 1e2, 60):
         assert pair.radius(bond, h) <= 1 + 1e-9
+
+
+def test_steps_of_a_tolerance(pair: Pair) -> None:
+    """The README's; a hundredth of the tolerance takes 100^¼ times the steps, to the factor two of steps."""
+    rows = [controlled(pair, tolerance) for tolerance in TOLERANCES[:2]]
+    for found, printed in zip(rows, table("pair", "tolerance"), strict=False):
+        assert int(found["steps"]) == pytest.approx(
+            int(printed["steps"]), rel=0.05
+        )  # one step more or less in 20
+        assert float(found["error"]) == pytest.approx(float(printed["error"]), rel=0.2)
+        assert float(found["error"]) < float(found["tolerance"])
+    assert int(rows[1]["steps"]) / int(rows[0]["steps"]) == pytest.approx(100**0.25, rel=0.5)

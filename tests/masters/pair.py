@@ -14,12 +14,15 @@ import matplotlib.pyplot as plt
 import numpy as np
 from body import full_body, joined, modal, reduced_body, together
 from coupled import Coupled, Linear
+from extrapolation import ORDER
 from fmu import Fmu
+from jacobi import jacobi
 from linear_part import StateSpace, state_space
 from markdown import markdown
-from monolith import Monolith, driven, monolith, output, polynomial, trajectory
+from monolith import Monolith, after, driven, monolith, output, polynomial, trajectory
 from power_bond import Bonds, power_bond, stored
 from run import points, run
+from step_doubling import Control, step_doubling
 from step_map import largest_stable_step, spectral_radius, step_map
 from table import Algorithm, Row, algorithms, cells, draw_errors, errors
 
@@ -35,6 +38,7 @@ FORCE = 100.0  # N, on the left tip from t = 0
 END, COUNTS = 0.02, (50, 100, 200, 400, 800)  # s: 1.4 periods of the left beam; numbers of steps
 MODES = 40  # of the full system, which has 936 degrees of freedom
 SHOWN = ("Jacobi, linear", "Gauss–Seidel, linear", "fixed point, linear", "power bond")
+TOLERANCES = (1e-4, 1e-6, 1e-8)
 UNDAMPED = {"damping.alpha": 0.0, "damping.beta": 0.0}
 
 
@@ -144,6 +148,24 @@ def rows(pair: Pair) -> list[Row]:
     return found
 
 
+def controlled(pair: Pair, tolerance: float) -> dict[str, str]:
+    """Jacobi with derivatives under step doubling; tolerance: of an output's error in a step, of its peak."""
+    names = [f"{side}.{output}" for side in NAMES for output in OUTPUTS]
+    states = trajectory(pair.whole, END / COUNTS[-1], COUNTS[-1])
+    peaks = np.array([np.abs(output(pair.whole, states, name)).max() for name in names])
+    control = Control(ORDER["derivative"], tolerance * peaks)
+    made = step_doubling(pair.system(), jacobi("derivative"), "derivative", control, 1e-5, END)
+    h = np.diff([point.t for point in made])
+    exact = [output(pair.whole, after(pair.whole, point.t), names[0]) for point in made]
+    wrong = np.abs([point.y[0] for point in made] - np.array(exact)).max() / peaks[0]
+    return {
+        "tolerance": f"{tolerance:.0e}",
+        "steps": f"{len(h)}",
+        "h / µs": f"{1e6 * h.min():.3g} … {1e6 * h.max():.3g}",
+        "error": f"{wrong:.1e}",
+    }
+
+
 def draw(pair: Pair, found: list[Row], path: Path) -> None:
     """Errors over step sizes; energy over time with nothing damped."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4.8), layout="constrained")
@@ -169,6 +191,7 @@ def main(folder: Path) -> None:
         pair = build(Path(fmus))
         found = rows(pair)
         print(markdown([cells(row) for row in found]))
+        print(f"\n{markdown([controlled(pair, tolerance) for tolerance in TOLERANCES])}")
         print(f"\nThe reduction of both parts alone makes {reduction_error(pair):.1e} of the peak.")
         draw(pair, found, folder / "pair.png")
 
