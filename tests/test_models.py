@@ -39,7 +39,10 @@ def test_agrees_with_calculix_on_the_same_mesh(name: str) -> None:
 
 @pytest.mark.parametrize(
     ("name", "script"),
-    [*((name, "make_mesh.py") for name in (*NAMES, "mast", "arm")), ("flexure", "make_matrices.py")],
+    [
+        *((name, "make_mesh.py") for name in (*NAMES, "mast", "arm", "chain", "servo", "stop")),
+        ("flexure", "make_matrices.py"),
+    ],
 )
 def test_files_are_small_and_complete(name: str, script: str) -> None:
     folder = MODELS / name
