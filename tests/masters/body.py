@@ -9,9 +9,10 @@ from scipy.linalg import block_diag, eigh, null_space
 from fmu_src.runtime.kinds import ROWS
 from fmu_src.runtime.model import ReducedModel
 from precompute.arrays import Floats
-from precompute.connection import connect, interface_of
+from precompute.connection import connect
 from precompute.full_part import read_full_part
 from precompute.part import Part
+from precompute.part_interface import interface_of
 from precompute.pipeline import reduce_part, silent
 
 ANGULAR = {"moment": "r", "rotation": "r", "angular_velocity": "r", "angular_acceleration": "r"}

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import expm
 
-from fmu_src.runtime.model import Floats, ReducedModel
+from fmu_src.runtime.model import Floats, ReducedModel, row_starts
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,20 +23,32 @@ class StateSpace:
 
 
 def state_space(model: ReducedModel, inputs: list[str], outputs: list[str]) -> StateSpace:
-    """x = [q, q̇] of the model's oscillators between these inputs and outputs: motions and accelerations."""
-    r = len(model.lam)
-    B = model.B[:, [model.inputs.index(name) for name in inputs]]
-    D_tilde = np.diag(model.alpha + model.beta * model.lam) + model.D_rest
-    moved = np.hstack([-np.diag(model.lam), -D_tilde])  # q̈ of x
-    A = np.vstack([np.hstack([np.zeros((r, r)), np.eye(r)]), moved])
-    rows, through = [], []
-    for name in outputs:
-        c = model.C[model.outputs.index(name)]
-        law = model.laws[model.outputs.index(name)]
-        zero = np.zeros(r)
-        rows.append({"position": np.r_[c, zero], "velocity": np.r_[zero, c]}.get(law, c @ moved))
-        through.append(c @ B if law == "acceleration" else np.zeros(B.shape[1]))
-    return StateSpace(A, np.vstack([np.zeros_like(B), B]), np.array(rows), np.array(through))
+    """[x, ẋ] of the model between these inputs and outputs, which are no stresses and no energies.
+
+    s̈ = a and q̈ + D̃ q̇ + Λ q = B u + N ṡ; reactions are C₁(ẍ + αẋ) + C₂ẋ + C₃(x + βẋ) + R u.
+    """
+    n, columns = len(model.lam), [model.inputs.index(name) for name in inputs]
+    B, braking = model.B[:, columns], np.diag(model.alpha + model.beta * model.lam) + model.D_rest
+    braking[: model.k] = 0.0
+    braking[model.k :, : model.k] = -model.drag(model.alpha)[model.k :]
+    x, v, a = np.eye(n, 2 * n), np.eye(n, 2 * n, n), np.hstack([-np.diag(model.lam), -braking])
+    starts, rows, through = row_starts(model.laws), [], []
+    for place in (model.outputs.index(name) for name in outputs):
+        C, R = (A[starts[place] : starts[place + 1]] for A in (model.C, model.R[:, columns]))
+        match model.laws[place]:
+            case "position":
+                rows.append(C[0] @ x)
+                through.append(R[0])
+            case "velocity":
+                rows.append(C[0] @ v)
+                through.append(np.zeros(len(columns)))
+            case "acceleration":
+                rows.append(C[0] @ a)
+                through.append(C[0] @ B + R[0])
+            case "reaction":
+                rows.append(C[0] @ (a + model.alpha * v) + C[1] @ v + C[2] @ (x + model.beta * v))
+                through.append(C[0] @ B + R[0])
+    return StateSpace(np.vstack([v, a]), np.vstack([0 * B, B]), np.array(rows), np.array(through))
 
 
 class LinearPart:

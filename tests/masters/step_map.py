@@ -39,7 +39,11 @@ def spectral_radius(M: Floats) -> float:
 
 
 def largest_stable_step(
-    radius: Callable[[float], float], lowest: float, highest: float, ratio: float = 1.002
+    radius: Callable[[float], float],
+    lowest: float,
+    highest: float,
+    ratio: float = 1.002,
+    margin: float = MARGIN,
 ) -> float:
     """The h at which the spectral radius first rises above 1 between `lowest` and `highest`, else ∞; in s.
 
@@ -49,7 +53,7 @@ def largest_stable_step(
 
     def excess(h: float) -> float:
         try:
-            return min(radius(h) - 1 - MARGIN, 1.0)
+            return min(radius(h) - 1 - margin, 1.0)
         except NotConverged:
             return 1.0
 
