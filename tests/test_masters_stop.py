@@ -1,18 +1,20 @@
 """The reed and its stop: the monolithic solution in closed form, then the masters against it."""
 
+import re
 from functools import cache
 
 import numpy as np
 import pytest
 import stop
-from body import point_mass, reduced_body
+from body import full_body, modal, point_mass, reduced_body
 from bounces import Bounces, Stop, bounces
 from coupled import Coupled, Linear
 from fmu import Fmu
-from ready_parts import reduction, table
+from ready_parts import MODELS, reduction, table
 from run import run
 from table import Algorithm
 
+from precompute.part import read_part
 from precompute.pipeline import package
 
 MASTERS = {algorithm.name: algorithm for algorithm in stop.ALGORITHMS}
@@ -42,6 +44,17 @@ def test_a_mass_and_a_stop_in_closed_form() -> None:
     assert len(found.events) == 4
     deepest = g + force / k + np.hypot(force / k, force * meets / m / omega)
     assert found.tip(np.array([meets + stays / 2]))[0] == pytest.approx(deepest, rel=1e-12)
+
+
+def test_contacts_of_the_reduced_and_the_full_reed_as_printed() -> None:
+    """The full one's frequencies are those of LAPACK to 1e-7: ε λ_max/λ."""
+    text = (MODELS / "stop" / "README.md").read_text(encoding="utf-8")
+    printed = {digits: re.findall(rf"\b\d\.\d{{{digits}}}\b", text) for digits in (9, 6)}
+    body = modal(full_body(read_part(MODELS / "stop")), stop.FULL_MODES)
+    full = bounces(body, stop.STOP, stop.STEP * stop.COUNT)
+    np.testing.assert_allclose(np.array(printed[9], float), 1e3 * reference().events, rtol=1e-7)
+    np.testing.assert_allclose(np.array(printed[6], float), 1e3 * full.events, rtol=2e-6)
+    np.testing.assert_allclose(full.events, reference().events, rtol=2e-4)  # three modes of the reed
 
 
 @pytest.mark.parametrize("name", MASTERS)
