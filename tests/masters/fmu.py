@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -29,9 +30,10 @@ class Fmu:
         self.reference = {v.name: v.valueReference for v in description.modelVariables}
         self.inputs = [self.reference[name] for name in inputs]
         self._outputs = [self.reference[name] for name in outputs]
+        self._folder = TemporaryDirectory(ignore_cleanup_errors=True)  # as long as the instance
         self.slave = FMU2Slave(
             guid=description.guid,
-            unzipDirectory=extract(str(path)),
+            unzipDirectory=extract(str(path), self._folder.name),
             modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName=path.stem,
         )
