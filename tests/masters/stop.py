@@ -180,6 +180,7 @@ def plot(reed: Fmu, reference: Bounces, full: Bounces, path: Path) -> None:
 
 def main(folder: Path) -> None:
     """Build, run, compare, draw."""
+    folder.mkdir(parents=True, exist_ok=True)
     part = read_part(FOLDER)
     reduction = reduce_part(part)
     with tempfile.TemporaryDirectory() as scratch:
@@ -201,4 +202,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path("out"))
