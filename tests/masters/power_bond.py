@@ -45,9 +45,8 @@ def power_bond(bonds: Bonds) -> Step:
     def over_the_step(system: Coupled, point: Point, h: float) -> Linear:
         assert isinstance(system.law, Linear)  # for its external forces
         half, viscous = bonds.k / 2, bonds.c / h
-        L = -bonds.W @ ((half + viscous)[:, None] * bonds.G)
-        begun = -bonds.W @ ((half - viscous) * (bonds.G @ point.y).T).T
-        given = begun + system.law.e(point.t + h / 2, 0)
+        L = -bonds.W @ np.diag(half + viscous) @ bonds.G
+        given = -bonds.W @ np.diag(half - viscous) @ bonds.G @ point.y + system.law.e(point.t + h / 2, 0)
         return Linear(L, lambda t, order: given)
 
     return interface_newton("hold", over_the_step)
