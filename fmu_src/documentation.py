@@ -76,10 +76,12 @@ def index_html(
     effective_mass: dict[str, list[float]] | None = None,
     total_mass: float | None = None,
     accuracy: str | None = None,
+    references: str | None = None,
 ) -> str:
     """`documentation/index.html`: what the model is, its ports and its modes with units.
 
-    accuracy: the name of a page beside it that tells how accurate the reduction is.
+    accuracy: the name of a page beside it that tells how accurate the reduction is; references: of a text
+    that tells of the reference results.
     """
     ratio = model.damping_ratio(model.alpha, model.beta)
     head = ["mode", "frequency / Hz", "damping ratio"]
@@ -93,6 +95,7 @@ def index_html(
             row += [f"{100 * mass[i] / total_mass:.1f}" for mass in effective_mass.values()]
     ports = [[port.name, ", ".join(port.inputs), ", ".join(port.outputs)] for port in model.ports]
     link = f'<p><a href="{escape(accuracy)}">Accuracy of the reduction</a></p>\n' if accuracy else ""
+    link += f'<p><a href="{escape(references)}">Reference results</a></p>\n' if references else ""
     mass = f"<p>Total mass {total_mass:.6g} kg.</p>\n" if total_mass else ""
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(model.name)}</title>\n'

@@ -22,7 +22,9 @@ from .doubts import doubt_ratios, doubt_units
 from .effective_mass import effective_mass, total_mass
 from .eigen import Modes
 from .errors import ModalFmuError
+from .experiments import reference_experiments
 from .full_part import FullPart, Progress, read_full_part
+from .ls_ref import write_experiments
 from .node_table import asking_for_coordinates
 from .oscillators import oscillators_of
 from .part import Part
@@ -124,17 +126,18 @@ def _reduced(
 def package(
     reduction: Reduction, path: Path, progress: Progress = silent, build: Builder = build_native_fmu
 ) -> Path:
-    """Write the FMU with its mode table, its mode shapes and its certificate; returns its path.
+    """Write the FMU with its mode table, mode shapes, certificate and reference results; returns its path.
 
     build: build_native_fmu, or build_python_fmu for the Python twin.
     """
     progress("packaging", None)
     masses = dict(zip("xyz", reduction.effective_mass.tolist(), strict=True))
-    files: dict[str, bytes] = {}
+    files = write_experiments(reference_experiments(reduction.model))
+    references = "fmi-ls-ref.txt" if files else None
     if reduction.certificate is not None:
         files |= certificate_files(reduction.certificate)
     accuracy = None if reduction.certificate is None else "accuracy.html"
-    table = index_html(reduction.model, masses, reduction.total_mass, accuracy)
+    table = index_html(reduction.model, masses, reduction.total_mass, accuracy, references)
     files["documentation/index.html"] = table.encode()
     mesh = reduction.full.mesh
     if mesh is not None:

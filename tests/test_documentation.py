@@ -33,8 +33,9 @@ def test_damping_that_no_alpha_and_beta_tell_is_said() -> None:
     assert "&beta; = 0.001 s. Each mode" in plain
 
 
-def test_the_accuracy_has_a_link_where_it_is_known() -> None:
+def test_accuracy_and_reference_results_have_a_link_where_they_are_there() -> None:
     assert 'href="accuracy.html"' in index_html(two_ports(), accuracy="accuracy.html")
+    assert 'href="results.txt"' in index_html(two_ports(), references="results.txt")
     assert "href" not in index_html(two_ports())
 
 
