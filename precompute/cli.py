@@ -1,6 +1,7 @@
 """The command `modalfmu`; nothing but the commands prints.
 
-Exit codes: 0 done, 1 a fault of modalfmu (with a traceback), 2 a mistake of the user (one line), 130 Ctrl-C.
+Exit codes: 0 done, 1 findings of `check` or a fault of modalfmu (with a traceback),
+2 a mistake of the user (one line), 130 Ctrl-C.
 """
 
 import io
@@ -11,6 +12,7 @@ from importlib.metadata import version
 
 from cyclopts import App, CycloptsError
 
+from .check_command import check
 from .console import complain, notices
 from .errors import ModalFmuError
 from .part_commands import build, inspect, modes
@@ -23,7 +25,7 @@ app = App(
     help="One deformable part in, one FMI 2.0 co-simulation FMU out.",
     help_format="markdown",
 )
-for command in (build, modes, inspect, simulate, ssp):
+for command in (build, modes, inspect, simulate, ssp, check):
     app.command(command)
 
 
@@ -32,12 +34,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # λ and → where the terminal knows ASCII only
+    code: int | None = None
     try:
         with notices():
             chosen, bound, _ = app.parse_args(
                 sys.argv[1:] if arguments is None else arguments, exit_on_error=False, print_error=False
             )
-            chosen(*bound.args, **bound.kwargs)
+            code = chosen(*bound.args, **bound.kwargs)
         sys.stdout.flush()
     except (ModalFmuError, CycloptsError) as error:
         complain(str(error))
@@ -53,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         complain(f"{error.filename}: {error.strerror}")
         return 2
-    return 0
+    return code or 0
 
 
 if __name__ == "__main__":

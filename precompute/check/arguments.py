@@ -1,0 +1,135 @@
+"""What fmi2Instantiate is given: GUID, resource location, callbacks, memory (section 2.1.5)."""
+
+import ctypes
+from collections.abc import Iterator
+from pathlib import Path
+from shutil import copytree
+from tempfile import TemporaryDirectory
+
+from .check import Check, needs
+from .driver import CO_SIMULATION, Fmu, Refused, Slave
+from .finding import Finding
+from .host import Callbacks, Host, overwrite
+from .instances import several
+from .runs import difference, fresh_run, run
+
+LARGE = 50_000_000  # bytes of resources that are not copied
+NO_GUID = "{00000000-0000-0000-0000-000000000000}"
+
+
+def wrong_guid(fmu: Fmu) -> Iterator[Finding]:
+    """A GUID that is not the FMU's."""
+    host = Host()
+    slave = fmu.instantiate(guid=NO_GUID, host=host)
+    if slave:
+        yield Finding("guid-mismatch-accepted", f"fmi2Instantiate took the GUID {NO_GUID}")
+        slave.free()
+    elif not host.log:
+        yield Finding(
+            "instantiation-silent", "fmi2Instantiate gave NULL for a wrong GUID and logged no reason"
+        )
+
+
+def resource_location(form: str) -> Check:
+    """The folder of the resources by a URI of this form."""
+
+    def check(fmu: Fmu) -> Iterator[Finding]:
+        expected = fresh_run(fmu, 2)
+        with TemporaryDirectory(prefix="check") as place:
+            uri = _uri(fmu, form, Path(place))
+            try:
+                slave = fmu.slave(resources=uri).initialise(fmu.start)
+            except Refused as refused:
+                yield Finding("resource-location", f"with {form}: {refused}")
+                return
+            apart = difference(expected, run(fmu, slave, 0, 2))
+            slave.free()
+        if apart:
+            yield Finding("resource-location", f"with {form}: {apart}")
+
+    return Check(f"resource-location {form}", check, several, crash="resource-location")
+
+
+def _uri(fmu: Fmu, form: str, place: Path) -> str:
+    if form == "file:/path":
+        return fmu.resources().replace("file://", "file:", 1)
+    folder, copy = fmu.folder / "resources", place / "a folder, 100% ä" / "resources"
+    if sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) < LARGE and folder.is_dir():
+        copytree(folder, copy)
+    else:
+        copy.mkdir(parents=True)
+    return copy.as_uri()
+
+
+def free_null(fmu: Fmu) -> Iterator[Finding]:
+    """fmi2FreeInstance of NULL does nothing."""
+    fmu.library.call("FreeInstance", None)
+    yield from ()
+
+
+def null_callbacks(fmu: Fmu) -> Iterator[Finding]:
+    """Without the memory functions that it says it does not use."""
+    host = Host()
+    try:
+        slave = fmu.slave(host=host, callbacks=host.callbacks(memory=False)).initialise(fmu.start)
+        run(fmu, slave, 0, 2)
+        slave.free()
+    except Refused as refused:
+        yield Finding("null-callbacks", str(refused))
+
+
+def pointers_kept(fmu: Fmu) -> Iterator[Finding]:
+    """What fmi2Instantiate was given is overwritten when it returns."""
+    expected = fresh_run(fmu, 2)
+    host = Host()
+    kept = host.callbacks()  # the functions live on
+    struct = Callbacks.from_buffer_copy(kept)
+    given = ("checked", fmu.description.guid, fmu.resources())
+    texts = [ctypes.create_string_buffer(text.encode()) for text in given]
+    arguments = (texts[0], CO_SIMULATION, texts[1], texts[2], ctypes.addressof(struct), 0, 1)
+    component = fmu.library.call("Instantiate", *arguments)
+    if not component:
+        raise Refused("Instantiate", "NULL", host.log[-1].text if host.log else "")
+    for text in texts:
+        overwrite(text, 0, b"x" * (len(text) - 1))
+    ctypes.memset(ctypes.addressof(struct), 0, ctypes.sizeof(struct))
+    slave = Slave(fmu.library, component, host, kept).initialise(fmu.start)
+    apart = difference(expected, run(fmu, slave, 0, 2))
+    slave.call("DoStep", fmu.point(2), -1.0, 1)  # not legal: something to log
+    names = sorted({message.instance for message in host.log} - {"checked"})
+    slave.free()
+    if apart:
+        yield Finding("pointer-kept", f"with its arguments overwritten, {apart}")
+    if names:
+        yield Finding("pointer-kept", f"with its name overwritten by the host it logs as {names[0]!r}")
+
+
+def memory(fmu: Fmu) -> Iterator[Finding]:
+    """The host's memory functions: bounds kept, everything given back."""
+    host = Host()
+    slave = fmu.slave(host=host).initialise(fmu.start)
+    run(fmu, slave, 0, fmu.steps)
+    slave.must("Terminate")
+    slave.free()
+    host.inspect()
+    for misuse in dict.fromkeys(host.misuse):
+        yield Finding("memory-misuse", misuse)
+    if host.held:
+        yield Finding(
+            "memory-leak", f"after fmi2FreeInstance {host.held} bytes of allocateMemory are still held"
+        )
+    if fmu.description.can("canNotUseMemoryManagementFunctions") and host.allocations:
+        yield Finding(
+            "memory-functions", f"declared not to be used, allocateMemory was called {host.allocations} times"
+        )
+
+
+CHECKS = (
+    Check("wrong-guid", wrong_guid),
+    resource_location("file:/path"),
+    resource_location("escaped characters"),
+    Check("free-null", free_null, crash="free-null"),
+    Check("null-callbacks", null_callbacks, needs("canNotUseMemoryManagementFunctions"), "null-callbacks"),
+    Check("pointer-kept", pointers_kept, several, crash="pointer-kept"),
+    Check("memory-functions", memory),
+)

@@ -1,0 +1,44 @@
+"""What everything else needs: the library, an instance, its initialisation, one step."""
+
+from collections.abc import Iterator
+
+from .check import Check
+from .driver import Fmu, Refused
+from .finding import Finding
+from .runs import run
+
+
+def functions(fmu: Fmu) -> Iterator[Finding]:
+    """All functions of a co-simulation FMU are there, and their versions right."""
+    for name in fmu.library.missing:
+        yield Finding("missing-function", f"fmi2{name} is not in the library")
+    for name, expected in (("GetVersion", "2.0"), ("GetTypesPlatform", "default")):
+        if name not in fmu.library.missing:
+            got = fmu.library.call(name)
+            if got != expected.encode():
+                said = "NULL" if got is None else got.decode(errors="replace")
+                yield Finding("version", f"fmi2{name} gives {said!r}, expected {expected!r}")
+
+
+def first_step(fmu: Fmu) -> Iterator[Finding]:
+    """fmi2Instantiate … one fmi2DoStep … fmi2FreeInstance, with everything right."""
+    try:
+        slave = fmu.slave()
+    except Refused as refused:
+        yield Finding("instantiation", str(refused))
+        return
+    try:
+        slave.initialise(fmu.start)
+    except Refused as refused:
+        yield Finding("initialisation", str(refused))
+        return
+    try:
+        run(fmu, slave, 0, 1)
+        slave.must("Terminate")
+    except Refused as refused:
+        yield Finding("first-step", str(refused))
+        return
+    slave.free()
+
+
+CHECKS = (Check("functions", functions), Check("first-step", first_step))

@@ -1,0 +1,57 @@
+"""The process in which an FMU is driven: python -m precompute.check.child FMU WORK GROUP STEPS [CHECK …]
+
+FMU: the unpacked folder; WORK: where the journal and the results go, a line of JSON each;
+CHECK …: those that are made already.
+"""
+
+import json
+import os
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+from .description import read_description
+from .driver import Ended, Fmu, Refused
+from .finding import Finding
+from .groups import GROUPS
+from .journal import Journal
+
+
+def main(folder: str, work: str, group: str, steps: str, *done: str) -> None:
+    """Make the checks of a group; where the FMU takes the process along, the lines tell how far it was."""
+    description = read_description(Path(folder))
+    journal = Journal(Path(work) / "journal")
+    with (Path(work) / "results").open("a", encoding="utf-8", buffering=1) as results:
+
+        def tell(line: Mapping[str, str]) -> None:
+            results.write(json.dumps(line) + "\n")
+
+        try:
+            fmu = Fmu(Path(folder), description, int(steps), journal.note)
+        except OSError as error:
+            tell({"check": "loading"})
+            tell({"finding": "library-loads", "got": str(error)})
+            return
+        for check in GROUPS[group]:
+            if check.name in done:
+                continue
+            tell({"check": check.name})
+            why = check.hindrance(description)
+            if why is not None:
+                tell({"skipped": check.name, "why": why})
+                continue
+            try:
+                for finding in check.run(fmu):
+                    tell({"finding": finding.name, "got": finding.got})
+            except Refused as refused:
+                finding = Finding("legal-call-refused", str(refused))
+                tell({"finding": finding.name, "got": finding.got})
+            except Ended:
+                tell({"skipped": check.name, "why": "the FMU ends the simulation before"})
+        tell({"check": "unload"})
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
+    sys.stdout.flush()
+    os._exit(0)  # what an unloaded FMU does to the interpreter is no concern of the checks

@@ -1,0 +1,294 @@
+"""An FMU's library by ctypes: every call gives its status as a number and is noted before it is made."""
+
+import ctypes
+import platform
+import sys
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from ctypes import c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from pathlib import Path
+from typing import Any
+
+from .description import Description, Value, Variable
+from .host import Callbacks, Host
+
+OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
+STATUS = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal", "fmi2Pending")
+CO_SIMULATION = 1
+TERMINATED = 3  # fmi2Terminated of fmi2StatusKind
+KINDS = ("Real", "Integer", "Boolean", "String")
+ELEMENT: Mapping[str, Any] = {"Real": c_double, "Integer": c_int, "Boolean": c_int, "String": c_char_p}
+
+# the arguments behind the component, of the functions that a co-simulation FMU must have (section 2.3)
+_POINTER, _ARRAYS = c_void_p, (c_void_p, c_size_t, c_void_p)
+CALLS: Mapping[str, tuple[Any, ...]] = {
+    "SetDebugLogging": (c_int, c_size_t, _POINTER),
+    "SetupExperiment": (c_int, c_double, c_double, c_int, c_double),
+    "EnterInitializationMode": (),
+    "ExitInitializationMode": (),
+    "Terminate": (),
+    "Reset": (),
+    **{f"{verb}{kind}": _ARRAYS for verb in ("Get", "Set") for kind in KINDS},
+    "GetFMUstate": (_POINTER,),
+    "SetFMUstate": (_POINTER,),
+    "FreeFMUstate": (_POINTER,),
+    "SerializedFMUstateSize": (_POINTER, _POINTER),
+    "SerializeFMUstate": (_POINTER, _POINTER, c_size_t),
+    "DeSerializeFMUstate": (_POINTER, c_size_t, _POINTER),
+    "GetDirectionalDerivative": (_POINTER, c_size_t, _POINTER, c_size_t, _POINTER, _POINTER),
+    "SetRealInputDerivatives": (_POINTER, c_size_t, _POINTER, _POINTER),
+    "GetRealOutputDerivatives": (_POINTER, c_size_t, _POINTER, _POINTER),
+    "DoStep": (c_double, c_double, c_int),
+    "CancelStep": (),
+    **{f"Get{kind}Status": (c_int, _POINTER) for kind in ("", *KINDS)},
+}
+FUNCTIONS = ("GetTypesPlatform", "GetVersion", "Instantiate", "FreeInstance", *CALLS)
+
+
+class Refused(Exception):
+    """A legal call was not answered by fmi2OK or fmi2Warning."""
+
+    def __init__(self, call: str, status: str, said: str) -> None:
+        super().__init__(f"fmi2{call} gave {status}" + (f": {said}" if said else ", and said nothing"))
+
+
+class Ended(Exception):
+    """The FMU wants the simulation to end; it may."""
+
+
+def platform_folder() -> str:
+    """The folder of this machine's binaries (section 2.3)."""
+    bits = "64" if sys.maxsize > 2**32 else "32"
+    machine = platform.machine().lower()
+    if machine in ("arm64", "aarch64"):
+        return {"Darwin": "darwin64", "Windows": "aarch64-windows"}.get(platform.system(), "aarch64-linux")
+    return {"Darwin": "darwin", "Windows": "win"}.get(platform.system(), "linux") + bits
+
+
+def library_suffix() -> str:
+    """The ending of a shared library's name."""
+    return {"Darwin": ".dylib", "Windows": ".dll"}.get(platform.system(), ".so")
+
+
+class Library:
+    """The functions of an FMU's library. Raises OSError where it cannot be loaded."""
+
+    def __init__(self, path: Path, note: Callable[[str], None]) -> None:
+        self._note = note
+        note("loading the library")
+        self.handle = ctypes.CDLL(str(path))
+        self.missing = [name for name in FUNCTIONS if not hasattr(self.handle, f"fmi2{name}")]
+        for name, arguments in CALLS.items():
+            if name not in self.missing:
+                getattr(self.handle, f"fmi2{name}").argtypes = (c_void_p, *arguments)
+        if "Instantiate" not in self.missing:
+            self.handle.fmi2Instantiate.argtypes = (
+                c_char_p,
+                c_int,
+                c_char_p,
+                c_char_p,
+                c_void_p,
+                c_int,
+                c_int,
+            )
+            self.handle.fmi2Instantiate.restype = c_void_p
+        if "FreeInstance" not in self.missing:
+            self.handle.fmi2FreeInstance.argtypes = (c_void_p,)
+            self.handle.fmi2FreeInstance.restype = None
+        for name in ("GetVersion", "GetTypesPlatform"):
+            if name not in self.missing:
+                getattr(self.handle, f"fmi2{name}").restype = c_char_p
+
+    def call(self, name: str, *arguments: Any) -> Any:
+        """fmi2<name>"""
+        self._note(f"fmi2{name}")
+        result = getattr(self.handle, f"fmi2{name}")(*arguments)
+        self._note("")
+        return result
+
+
+class Slave:
+    """One instance. What must succeed raises Refused; `call` gives the status as it is."""
+
+    def __init__(self, library: Library, component: int, host: Host, callbacks: Callbacks) -> None:
+        self._library, self.component, self.host = library, component, host
+        self.callbacks = callbacks  # as long as the instance
+
+    def call(self, name: str, *arguments: Any) -> int:
+        """The status of fmi2<name>."""
+        return int(self._library.call(name, self.component, *arguments))
+
+    def must(self, name: str, *arguments: Any) -> None:
+        """The same, for a call that is legal."""
+        before = len(self.host.log)
+        status = self.call(name, *arguments)
+        if status not in (OK, WARNING):
+            said = [message.text for message in self.host.log[before:]]
+            raise Refused(name, status_name(status), said[-1] if said else "")
+
+    def unnoticed(self, name: str, *arguments: Any) -> bool:
+        """Whether a call that is not legal is taken without a word, by its status and in the log."""
+        before = len(self.host.log)
+        status = self.call(name, *arguments)
+        logged = any(message.status >= DISCARD for message in self.host.log[before:])
+        return status == OK and not logged
+
+    def free(self) -> None:
+        """fmi2FreeInstance"""
+        self._library.call("FreeInstance", self.component)
+
+    # from mode to mode
+    def setup(self, start: float, stop: float | None = None) -> None:
+        """fmi2SetupExperiment without a tolerance."""
+        self.must("SetupExperiment", 0, 0.0, start, int(stop is not None), stop or 0.0)
+
+    def initialise(self, start: float, stop: float | None = None) -> "Slave":
+        """From instantiated to step mode."""
+        self.setup(start, stop)
+        self.must("EnterInitializationMode")
+        self.must("ExitInitializationMode")
+        return self
+
+    def step(self, point: float, h: float) -> None:
+        """fmi2DoStep. Raises Refused; Ended where the FMU wants to stop."""
+        before = len(self.host.log)
+        status = self.call("DoStep", point, h, 1)
+        while status == PENDING:
+            time.sleep(1e-3)
+            done = c_int(PENDING)
+            self.must("GetStatus", 0, ctypes.byref(done))
+            status = done.value
+        if status == DISCARD:
+            wants = c_int(0)
+            if self.call("GetBooleanStatus", TERMINATED, ctypes.byref(wants)) == OK and wants.value:
+                raise Ended
+        if status not in (OK, WARNING):
+            said = [message.text for message in self.host.log[before:]]
+            raise Refused("DoStep", status_name(status), said[-1] if said else "")
+
+    # variables
+    def set(self, values: Mapping[Variable, Value]) -> None:
+        """Each by its type."""
+        for kind in KINDS:
+            chosen = [v for v in values if v.getter == kind]
+            if chosen:
+                self.must(
+                    f"Set{kind}", *arrays(kind, [v.reference for v in chosen], [values[v] for v in chosen])
+                )
+
+    def get(self, variables: Iterable[Variable]) -> dict[Variable, Value]:
+        """Each by its type."""
+        listed = list(variables)
+        found: dict[Variable, Value] = {}
+        for kind in KINDS:
+            chosen = [v for v in listed if v.getter == kind]
+            if chosen:
+                found |= dict(zip(chosen, self._get(kind, [v.reference for v in chosen]), strict=True))
+        return {v: found[v] for v in listed}
+
+    def _get(self, kind: str, references: Sequence[int]) -> list[Value]:
+        count = len(references)
+        values = (ELEMENT[kind] * count)()
+        self.must(f"Get{kind}", (c_uint * count)(*references), count, values)
+        if kind == "String":
+            return [(raw or b"").decode(errors="replace") for raw in values]
+        return list(values)
+
+    # derivatives
+    def directional(
+        self, unknowns: Sequence[int], knowns: Sequence[int], seed: Sequence[float]
+    ) -> list[float]:
+        """fmi2GetDirectionalDerivative, by value references."""
+        n, m = len(unknowns), len(knowns)
+        result = (c_double * n)()
+        self.must(
+            "GetDirectionalDerivative",
+            *((c_uint * n)(*unknowns), n, (c_uint * m)(*knowns), m),
+            *((c_double * m)(*seed), result),
+        )
+        return list(result)
+
+    def output_rates(self, references: Sequence[int], order: int) -> list[float]:
+        """fmi2GetRealOutputDerivatives"""
+        n = len(references)
+        result = (c_double * n)()
+        self.must("GetRealOutputDerivatives", (c_uint * n)(*references), n, (c_int * n)(*[order] * n), result)
+        return list(result)
+
+    def set_rates(self, rates: Mapping[Variable, float]) -> None:
+        """fmi2SetRealInputDerivatives, of order 1."""
+        n = len(rates)
+        references = (c_uint * n)(*(v.reference for v in rates))
+        self.must(
+            "SetRealInputDerivatives", references, n, (c_int * n)(*[1] * n), (c_double * n)(*rates.values())
+        )
+
+
+def arrays(kind: str, references: Sequence[int], values: Sequence[Any]) -> tuple[Any, int, Any]:
+    """The three arguments of a setter."""
+    count = len(references)
+    given = [v.encode() if isinstance(v, str) else v for v in values]
+    return (c_uint * count)(*references), count, (ELEMENT[kind] * count)(*given)
+
+
+def status_name(status: int) -> str:
+    """fmi2OK …, or the number where it is none of them."""
+    return STATUS[status] if 0 <= status < len(STATUS) else f"the status {status}"
+
+
+class Fmu:
+    """An unpacked FMU that is being checked. folder: where it lies; steps: how many a run takes."""
+
+    def __init__(
+        self, folder: Path, description: Description, steps: int, note: Callable[[str], None]
+    ) -> None:
+        self.folder, self.description = folder, description
+        self.library = Library(binary(folder, description), note)
+        self.start = description.start or 0.0
+        length = None if description.stop is None else description.stop - self.start
+        usual = length / 1000 if length is not None and length > 0 else 1e-2
+        self.h = description.step if description.step is not None and description.step > 0 else usual
+        most = steps if length is None or length <= 0 else int(length / self.h * (1 + 1e-9))
+        self.steps = max(2, min(steps, most))
+
+    def resources(self) -> str:
+        """The URI of the folder of the resources."""
+        return (self.folder / "resources").as_uri()
+
+    def instantiate(
+        self,
+        name: str = "checked",
+        *,
+        guid: str | None = None,
+        resources: str | None = None,
+        logging: bool = True,
+        host: Host | None = None,
+        callbacks: Callbacks | None = None,
+    ) -> Slave | None:
+        """None where the FMU refuses. guid, resources: None for the right ones."""
+        host = host or Host()
+        callbacks = callbacks or host.callbacks()
+        component = self.library.call(
+            "Instantiate",
+            *(name.encode(), CO_SIMULATION, (self.description.guid if guid is None else guid).encode()),
+            *((self.resources() if resources is None else resources).encode(), ctypes.addressof(callbacks)),
+            *(0, int(logging)),
+        )
+        return Slave(self.library, component, host, callbacks) if component else None
+
+    def slave(self, name: str = "checked", **options: Any) -> Slave:
+        """An instance that must come about."""
+        host: Host = options.setdefault("host", Host())
+        made = self.instantiate(name, **options)
+        if made is None:
+            raise Refused("Instantiate", "NULL", host.log[-1].text if host.log else "")
+        return made
+
+    def point(self, k: int) -> float:
+        """The k-th communication point."""
+        return self.start + k * self.h
+
+
+def binary(folder: Path, description: Description) -> Path:
+    """Where the library of this platform must be."""
+    return folder / "binaries" / platform_folder() / f"{description.identifier}{library_suffix()}"
