@@ -154,4 +154,219 @@ DEMANDS: Mapping[str, Demand] = {
         "a state made from its bytes is the state they were made of",
         "write values, not pointers, and all of them",
     ),
+    # --- order of calls
+    "step-before-initialisation": _demand(
+        "warning",
+        "4.2.4",
+        "fmi2DoStep is legal after fmi2ExitInitializationMode only",
+        "keep the mode, and return fmi2Error in others",
+    ),
+    "step-after-terminate": _demand(
+        "warning", "4.2.4", "fmi2DoStep is not legal after fmi2Terminate", "return fmi2Error"
+    ),
+    "set-after-terminate": _demand(
+        "warning", "4.2.4", "fmi2SetXXX is not legal after fmi2Terminate", "return fmi2Error"
+    ),
+    "get-before-initialisation": _demand(
+        "warning", "4.2.4", "fmi2GetXXX is legal from fmi2EnterInitializationMode on", "return fmi2Error"
+    ),
+    "wrong-mode": _demand(
+        "warning",
+        "4.2.4",
+        "each call is legal in the modes of the table only",
+        "keep the mode, return fmi2Error",
+    ),
+    "step-zero": _demand(
+        "warning", "4.2.2", "communicationStepSize is greater than 0", "return fmi2Error where it is not"
+    ),
+    "time-going-back": _demand(
+        "warning",
+        "4.2.2",
+        "currentCommunicationPoint is where the last step ended, unless a state was restored",
+        "keep the time, and return fmi2Error where it differs by more than rounding",
+    ),
+    "time-gap": _demand(
+        "warning",
+        "4.2.2",
+        "currentCommunicationPoint is where the last step ended",
+        "keep the time, and return fmi2Error where it differs by more than rounding",
+    ),
+    "past-stop-time": _demand(
+        "error",
+        "2.1.6",
+        "a step past the stop time of fmi2SetupExperiment is fmi2Error",
+        "keep stopTime and compare",
+    ),
+    "unknown-reference-accepted": _demand(
+        "warning",
+        "2.1.7",
+        "value references are those of the model description",
+        "return fmi2Error for others",
+    ),
+    "empty-call-refused": _demand(
+        "note", "2.1.7", "a call for no variables does nothing", "return fmi2OK where nvr is 0"
+    ),
+    # --- values
+    "start-values": _demand(
+        "error",
+        "2.2.7",
+        "variables with initial=exact and inputs begin with their start values",
+        "take the start values of model description and code from one source",
+    ),
+    "set-lost": _demand(
+        "error", "2.1.7", "what is set stays until it is set again", "store it, and give it back when asked"
+    ),
+    "set-constant": _demand("warning", "2.2.7", "constants cannot be set", "return fmi2Error"),
+    "set-output": _demand("warning", "4.2.4", "between steps outputs cannot be set", "return fmi2Error"),
+    "set-fixed": _demand(
+        "warning",
+        "4.2.4",
+        "fixed parameters cannot be set after initialisation",
+        "return fmi2Error, or declare it tunable",
+    ),
+    "not-finite": _demand(
+        "error", "2.1.3", "a step of fmi2OK gives numbers", "return fmi2Discard or fmi2Error with the reason"
+    ),
+    "out-of-range": _demand(
+        "warning", "2.2.7", "values keep to their min and max", "widen the range that is declared"
+    ),
+    "nan-input": _demand(
+        "note",
+        "4.2.2",
+        "a step that cannot be made with its inputs is fmi2Error or fmi2Discard",
+        "refuse inputs that are no numbers",
+    ),
+    "string-kept": _demand("error", "2.1.7", "fmi2SetString copies the texts", "copy them"),
+    # --- steps
+    "step-refused": _demand(
+        "error", "4.2.2", "steps with inputs near their start values succeed", "see what it logged"
+    ),
+    "variable-step": _demand(
+        "error",
+        "4.3.1",
+        "with canHandleVariableCommunicationStepSize each step goes to currentCommunicationPoint + size",
+        "use the size that is given, or take the flag off",
+    ),
+    "start-time": _demand(
+        "error", "4.2.2", "the first step begins at startTime of fmi2SetupExperiment", "begin where it says"
+    ),
+    "time-rounding": _demand(
+        "warning",
+        "4.2.2",
+        "a communication point differs from the FMU's own time by rounding",
+        "compare with a tolerance",
+    ),
+    "time-variable": _demand(
+        "error",
+        "4.2.2",
+        "a step ends exactly at currentCommunicationPoint + communicationStepSize",
+        "set the time so",
+    ),
+    # --- messages
+    "logger-category": _demand(
+        "error",
+        "2.1.5",
+        "messages have a category of LogCategories, NULL where there are none",
+        "declare what is used",
+    ),
+    "logger-instance": _demand(
+        "error", "2.1.5", "messages carry the name of the instance that sends them", "keep a copy of the name"
+    ),
+    "logger-environment": _demand(
+        "error", "2.1.5", "the logger gets componentEnvironment as its first argument", "pass it on"
+    ),
+    "logger-line": _demand("note", "2.1.5", "messages have no trailing line break", "leave it out"),
+    "logger-off": _demand(
+        "warning", "2.1.5", "with loggingOn = fmi2False there is no debug logging", "ask before each message"
+    ),
+    "debug-logging": _demand(
+        "error",
+        "2.1.5",
+        "fmi2SetDebugLogging takes the declared categories",
+        "know them, or do not declare them",
+    ),
+    # --- structure and derivatives
+    "dependencies-missing": _demand(
+        "error",
+        "2.2.8",
+        "an unknown depends on nothing that its dependencies do not list",
+        "list it, or leave the attribute out: then it depends on everything",
+    ),
+    "dependencies-unused": _demand(
+        "note",
+        "2.2.8",
+        "dependencies list what the unknown depends on",
+        "take it off, if it vanishes everywhere",
+    ),
+    "directional-derivative": _demand(
+        "error",
+        "2.1.9",
+        "fmi2GetDirectionalDerivative gives the partial derivatives of what fmi2GetReal gives",
+        "derive what is computed; central differences here are right to some 1e-6",
+    ),
+    "directional-seed": _demand(
+        "error", "2.1.9", "the derivative is linear in its seed", "add the columns, each times its seed"
+    ),
+    "input-derivative": _demand(
+        "error",
+        "4.2.1",
+        "with canInterpolateInputs the derivatives of the inputs have their effect on the next step",
+        "let the inputs follow the polynomial from the beginning of the step",
+    ),
+    "derivative-order-zero": _demand("warning", "4.2.1", "orders begin at 1", "return fmi2Error"),
+    "output-derivative": _demand(
+        "error",
+        "4.2.1",
+        "derivatives of outputs, up to maxOutputDerivativeOrder, are those at the end of the step",
+        "derive the outputs, or declare a lower order",
+    ),
+    # --- memory
+    "memory-growth": _demand(
+        "error",
+        "2.1.5",
+        "what is repeated takes no more memory each time",
+        "free it; valgrind or a sanitizer names it",
+    ),
+    # --- model description
+    "model-description": _demand(
+        "error",
+        "2.2",
+        "modelDescription.xml is valid by the schema and the rules of its elements",
+        "as FMPy says",
+    ),
+    "range": _demand("error", "2.2.7", "min ≤ start ≤ max, and nominal is not 0", "choose them so"),
+    "model-structure": _demand(
+        "error",
+        "2.2.8",
+        "indices of ModelStructure are those of variables, knowns and in order",
+        "count from 1",
+    ),
+    "state-dependencies": _demand(
+        "note",
+        "2.2.8",
+        "without providesDirectionalDerivative a co-simulation FMU does not list dependencies on states",
+        "leave the states out",
+    ),
+    "capabilities": _demand(
+        "error", "4.3.1", "canSerializeFMUstate needs canGetAndSetFMUstate", "declare both"
+    ),
+    "default-experiment": _demand(
+        "warning", "2.2.5", "stopTime is after startTime, stepSize greater than 0", "choose so"
+    ),
+    "files-missing": _demand(
+        "error", "2.3", "files that are listed are in the FMU", "add them, or do not list them"
+    ),
+    "unit-undefined": _demand("error", "2.2.2", "units of variables are in UnitDefinitions", "define them"),
+    "unit-definition": _demand(
+        "error",
+        "2.2.2",
+        "a BaseUnit has the exponents, factor and offset of its unit",
+        "count the SI base units",
+    ),
+    "unit-derivative": _demand(
+        "warning",
+        "2.2.7",
+        "the unit of a derivative is that of its variable by second",
+        "correct one of them",
+    ),
 }

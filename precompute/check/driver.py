@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from ctypes import c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -237,19 +238,26 @@ def status_name(status: int) -> str:
 
 
 class Fmu:
-    """An unpacked FMU that is being checked. folder: where it lies; steps: how many a run takes."""
+    """An unpacked FMU that is being checked.
+
+    folder: where it lies; start, h: of its runs, in s; steps: how many a run takes; most: up to its end.
+    """
 
     def __init__(
         self, folder: Path, description: Description, steps: int, note: Callable[[str], None]
     ) -> None:
-        self.folder, self.description = folder, description
-        self.library = Library(binary(folder, description), note)
+        self.folder, self.description, self._note = folder, description, note
         self.start = description.start or 0.0
         length = None if description.stop is None else description.stop - self.start
         usual = length / 1000 if length is not None and length > 0 else 1e-2
         self.h = description.step if description.step is not None and description.step > 0 else usual
-        most = steps if length is None or length <= 0 else int(length / self.h * (1 + 1e-9))
-        self.steps = max(2, min(steps, most))
+        self.most = 1 << 30 if length is None or length <= 0 else max(2, int(length / self.h * (1 + 1e-9)))
+        self.steps = min(steps, self.most)
+
+    @cached_property
+    def library(self) -> Library:
+        """Loaded when it is first needed. Raises OSError where it cannot be."""
+        return Library(binary(self.folder, self.description), self._note)
 
     def resources(self) -> str:
         """The URI of the folder of the resources."""

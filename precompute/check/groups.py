@@ -2,13 +2,37 @@
 
 from collections.abc import Mapping
 
-from . import arguments, begin, instances, state
+from . import (
+    arguments,
+    begin,
+    calls,
+    directional,
+    growth,
+    instances,
+    messages,
+    model_description,
+    rates,
+    state,
+    steps,
+    structure,
+    units,
+    values,
+)
 from .check import Check
 
+ALONE = "description"  # needs no library
 FIRST = "begin"  # without it nothing else can be asked
 GROUPS: Mapping[str, tuple[Check, ...]] = {
+    ALONE: (*model_description.CHECKS, *units.CHECKS),
     FIRST: begin.CHECKS,
     "instances": instances.CHECKS,
     "arguments": arguments.CHECKS,
     "state": state.CHECKS,
+    "calls": calls.CHECKS,
+    "values": values.CHECKS,
+    "steps": steps.CHECKS,
+    "messages": messages.CHECKS,
+    "structure": (*structure.CHECKS, *directional.CHECKS),
+    "rates": rates.CHECKS,
+    "growth": growth.CHECKS,
 }

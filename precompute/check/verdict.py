@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 from .demands import DEMANDS
 from .finding import Finding, Severity, Skipped
-from .groups import FIRST, GROUPS
+from .groups import ALONE, FIRST, GROUPS
 from .process import Result, run_group
 from .unpack import unpack
 
@@ -48,9 +48,9 @@ def check_fmu(
         folder = Path(place) / "fmu"
         unpack(path, folder)
         progress("checking", None)
-        results = [run_group(folder, FIRST, steps, patience)]
-        others = [group for group in GROUPS if group != FIRST and group in groups]
-        if results[0].findings and any(DEMANDS[f.name].severity == "error" for f in results[0].findings):
+        results = [run_group(folder, group, steps, patience) for group in (ALONE, FIRST)]
+        others = [group for group in GROUPS if group not in (ALONE, FIRST) and group in groups]
+        if any(DEMANDS[f.name].severity == "error" for f in results[1].findings):
             why = "the FMU does not get through its first step"
             results.append(
                 Result((), (), tuple(Skipped(check.name, why) for group in others for check in GROUPS[group]))

@@ -1,0 +1,73 @@
+"""What the FMU tells the logger (sections 2.1.5, 2.2.4)."""
+
+import ctypes
+from collections.abc import Iterator
+
+from .check import Check
+from .description import Description
+from .driver import Fmu
+from .finding import Finding
+from .host import Host
+from .runs import run
+
+NUMBER = 0x5EED  # an address that the FMU must hand back and never follow
+
+
+def messages(fmu: Fmu) -> Iterator[Finding]:
+    """Category, instance name and environment of each message."""
+    host = Host()
+    slave = fmu.slave("the one", host=host, callbacks=host.callbacks(environment=NUMBER))
+    slave.initialise(fmu.start)
+    run(fmu, slave, 0, 3)
+    slave.call("DoStep", fmu.point(3), -fmu.h, 1)  # not legal: something to log
+    slave.free()
+    declared = fmu.description.categories
+    for message in host.log:
+        if message.category not in declared and (declared or message.category is not None):
+            expected = ", ".join(declared) or "NULL, for none is declared"
+            yield Finding("logger-category", f"logged as {message.category!r}, expected {expected}")
+        if message.instance != "the one":
+            yield Finding("logger-instance", f"logged by {message.instance!r}, expected 'the one'")
+        if message.environment != NUMBER:
+            yield Finding("logger-environment", f"got {message.environment}, expected {NUMBER}")
+        if message.text.endswith("\n"):
+            yield Finding("logger-line", f"the message {message.text.strip()!r} ends with a line break")
+
+
+def silence(fmu: Fmu) -> Iterator[Finding]:
+    """With loggingOn = fmi2False a run in which all is well says nothing."""
+    host = Host()
+    slave = fmu.slave(host=host, logging=False).initialise(fmu.start)
+    run(fmu, slave, 0, fmu.steps)
+    slave.free()
+    chatter = [message.text for message in host.log if message.status == 0]
+    if chatter:
+        yield Finding(
+            "logger-off", f"{len(chatter)} messages with loggingOn = fmi2False, such as {chatter[0]!r}"
+        )
+
+
+def categories(fmu: Fmu) -> Iterator[Finding]:
+    """fmi2SetDebugLogging of each declared category, on and off."""
+    slave = fmu.slave()
+    for category in fmu.description.categories:
+        names = (ctypes.c_char_p * 1)(category.encode())
+        for on in (1, 0):
+            status = slave.call("SetDebugLogging", on, 1, names)
+            if status > 1:
+                yield Finding("debug-logging", f"fmi2SetDebugLogging of {category!r} was refused")
+                break
+    if slave.call("SetDebugLogging", 1, 0, None) > 1:
+        yield Finding("debug-logging", "fmi2SetDebugLogging of all categories (0, NULL) was refused")
+    slave.free()
+
+
+def _no_categories(description: Description) -> str | None:
+    return None if description.categories else "no LogCategories are declared"
+
+
+CHECKS = (
+    Check("logger-messages", messages),
+    Check("logger-off", silence),
+    Check("debug-logging", categories, _no_categories),
+)

@@ -1,0 +1,111 @@
+"""The model description by itself: the schema, FMPy's rules, what neither looks at (section 2.2)."""
+
+from collections.abc import Iterator
+
+from .check import Check
+from .description import DESCRIPTION, Description, Unknown
+from .driver import Fmu
+from .finding import Finding
+
+SEEN_BY_OURS = ('The unit "',)  # what the checks of units say better
+
+
+def valid(fmu: Fmu) -> Iterator[Finding]:
+    """FMPy's validation: schema, names, start values, causality, ModelStructure."""
+    from fmpy.validation import validate_fmu  # takes a second to import, and only this check needs it
+
+    for problem in validate_fmu(str(fmu.folder)):
+        line = " ".join(problem.split())
+        if not line.startswith(SEEN_BY_OURS):
+            yield Finding("model-description", line)
+
+
+def ranges(fmu: Fmu) -> Iterator[Finding]:
+    """min ≤ start ≤ max; nominal is not 0."""
+    for v in fmu.description.variables:
+        low, high = v.minimum, v.maximum
+        if low is not None and high is not None and low > high:
+            yield Finding("range", f"{v.name}: min={low:g} is above max={high:g}")
+        if isinstance(v.start, bool | str) or v.start is None:
+            continue
+        if (low is not None and v.start < low) or (high is not None and v.start > high):
+            yield Finding("range", f"{v.name}: start={v.start:g} is not within min={low}, max={high}")
+        if v.nominal == 0.0:
+            yield Finding("range", f"{v.name}: nominal=0")
+
+
+def structure(fmu: Fmu) -> Iterator[Finding]:
+    """Indices exist and rise; dependencies are on knowns; what the flags allow."""
+    d = fmu.description
+    for group, unknowns in (
+        ("Outputs", d.outputs),
+        ("Derivatives", d.derivatives),
+        ("InitialUnknowns", d.initial_unknowns),
+    ):
+        for u in unknowns:
+            for problem in _problems(d, group, u):
+                yield Finding("model-structure", f"{group}: {problem}")
+    places = [u.place for u in d.initial_unknowns]
+    if places != sorted(places):
+        yield Finding("model-structure", "InitialUnknowns are not in the order of the variables")
+    if not d.can("providesDirectionalDerivative"):
+        states = _states(d)
+        listed = [u for u in d.outputs if set(u.dependencies or ()) & states]
+        if listed and states:
+            name = d.variables[listed[0].place].name
+            yield Finding(
+                "state-dependencies",
+                f"{len(listed)} outputs, such as {name}, list states without providesDirectionalDerivative",
+            )
+
+
+def _problems(d: Description, group: str, u: Unknown) -> Iterator[str]:
+    count = len(d.variables)
+    if not 0 <= u.place < count:
+        yield f"the index {u.place + 1} is no variable's, there are {count}"
+        return
+    name, known = d.variables[u.place].name, u.dependencies or ()
+    if any(not 0 <= i < count for i in known):
+        yield f"{name} depends on an index that is no variable's, there are {count}"
+        return
+    if list(known) != sorted(set(known)):
+        yield f"the dependencies of {name} do not rise"
+    for v in (d.variables[i] for i in known):
+        initial = group == "InitialUnknowns" and v.initial == "exact"
+        if not (initial or v.causality in ("input", "independent") or d.variables.index(v) in _states(d)):
+            yield f"{name} depends on {v.name}, which is neither input nor state" + (
+                " nor exact" if group == "InitialUnknowns" else ""
+            )
+            return
+
+
+def _states(d: Description) -> set[int]:
+    found = {d.variables[u.place].derivative for u in d.derivatives if 0 <= u.place < len(d.variables)}
+    return {i for i in found if i is not None}
+
+
+def flags(fmu: Fmu) -> Iterator[Finding]:
+    """Capabilities that need each other; times of the DefaultExperiment."""
+    d = fmu.description
+    if d.can("canSerializeFMUstate") and not d.can("canGetAndSetFMUstate"):
+        yield Finding("capabilities", "canSerializeFMUstate without canGetAndSetFMUstate")
+    if d.stop is not None and d.stop <= (d.start or 0.0):
+        yield Finding("default-experiment", f"stopTime={d.stop:g} is not after startTime={d.start or 0:g}")
+    if d.step is not None and d.step <= 0:
+        yield Finding("default-experiment", f"stepSize={d.step:g} is not greater than 0")
+
+
+def files(fmu: Fmu) -> Iterator[Finding]:
+    """The files that are named are there."""
+    for name in fmu.description.sources:
+        if not (fmu.folder / "sources" / name).is_file():
+            yield Finding("files-missing", f"sources/{name} is listed in {DESCRIPTION} and not there")
+
+
+CHECKS = (
+    Check("model-description", valid),
+    Check("range", ranges),
+    Check("model-structure", structure),
+    Check("capabilities", flags),
+    Check("files", files),
+)

@@ -1,0 +1,170 @@
+"""Values of variables: start values, what is set, what may not be set, ranges (sections 2.1.7, 2.2.7)."""
+
+import ctypes
+import math
+from collections.abc import Iterator
+from ctypes import c_int, c_size_t, c_void_p
+
+from .check import Check, needs_inputs
+from .description import Description, Value, Variable
+from .driver import Fmu, Slave, arrays
+from .finding import Finding
+from .runs import difference, inputs_at, moved, run, shown
+
+SIX_DIGITS = 1e-6  # relative: what some exporters write of a start value
+MOST = 5  # variables that are named in one finding
+
+
+def differs(variable: Variable, got: Value, expected: Value) -> bool:
+    """Reals to six digits, all else exactly."""
+    if isinstance(got, float) and isinstance(expected, int | float):
+        return not abs(got - expected) <= SIX_DIGITS * abs(expected)
+    return bool(got) != expected if variable.type == "Boolean" else got != expected
+
+
+def start_values(fmu: Fmu) -> Iterator[Finding]:
+    """Initialised with nothing set, exact variables and inputs have their start values."""
+    slave = fmu.slave().initialise(fmu.start)
+    known = [
+        v
+        for v in fmu.description.variables
+        if v.start is not None and (v.initial == "exact" or v.causality == "input")
+    ]
+    got = slave.get(known)
+    wrong = [v for v in known if v.start is not None and differs(v, got[v], v.start)]
+    for v in wrong[:MOST]:
+        yield Finding("start-values", f"{v.name} is {shown(got[v])}, declared start={shown(v.start or 0)}")
+    slave.free()
+
+
+def kept(fmu: Fmu) -> Iterator[Finding]:
+    """Inputs and tunable parameters have, after a step, the value that was set before it."""
+    slave = fmu.slave().initialise(fmu.start)
+    run(fmu, slave, 0, 2)
+    given = {**inputs_at(fmu, 2), **tuned(fmu.description)}
+    slave.set(given)
+    slave.step(fmu.point(2), fmu.h)
+    got = slave.get(given)
+    wrong = [v for v in given if differs(v, got[v], given[v])]
+    for v in wrong[:MOST]:
+        yield Finding(
+            "set-lost", f"{v.name} was set to {shown(given[v])}, after a step it is {shown(got[v])}"
+        )
+    slave.free()
+
+
+def tuned(description: Description) -> dict[Variable, Value]:
+    """Tunable Real parameters, moved a little."""
+    return {
+        v: moved(v, 0.5)
+        for v in description.variables
+        if (v.causality, v.variability, v.type) == ("parameter", "tunable", "Real")
+    }
+
+
+def not_settable(name: str, said: str, causality: str, variability: str) -> Check:
+    """Setting what the FMU computes, or what never changes."""
+
+    def chosen(description: Description) -> list[Variable]:
+        return [
+            v
+            for v in description.variables
+            if v.type == "Real"
+            and (v.causality == causality or not causality)
+            and v.variability == variability
+        ]
+
+    def check(fmu: Fmu) -> Iterator[Finding]:
+        v = chosen(fmu.description)[0]
+        slave = fmu.slave().initialise(fmu.start)
+        run(fmu, slave, 0, 2)
+        before = float(slave.get([v])[v])
+        if slave.unnoticed("SetReal", *arrays("Real", [v.reference], [before + 1.0])):
+            yield Finding(name, f"fmi2SetReal of the {said} {v.name} gave fmi2OK")
+        slave.free()
+
+    def hindrance(description: Description) -> str | None:
+        return None if chosen(description) else f"there is no Real {said}"
+
+    return Check(name, check, hindrance, crash=name)
+
+
+def finite(fmu: Fmu) -> Iterator[Finding]:
+    """What steps of fmi2OK give are numbers, within the declared min and max."""
+    slave = fmu.slave().initialise(fmu.start)
+    told: set[str] = set()
+    for k, row in enumerate(run(fmu, slave, 0, fmu.steps)):
+        for v, value in row.items():
+            if v.type != "Real" or not isinstance(value, float) or v.name in told:
+                continue
+            after = f"{v.name} is {shown(value)} after step {k + 1}"
+            if not math.isfinite(value):
+                told.add(v.name)
+                yield Finding("not-finite", after)
+            low = -math.inf if v.minimum is None else v.minimum
+            high = math.inf if v.maximum is None else v.maximum
+            slack = SIX_DIGITS * max(abs(value), 1e-300)
+            if value < low - slack or value > high + slack:
+                told.add(v.name)
+                yield Finding("out-of-range", f"{after}, declared min={low:g}, max={high:g}")
+    slave.free()
+
+
+def nan_input(fmu: Fmu) -> Iterator[Finding]:
+    """An input that is no number is refused, or shows; the instance can be reset and used."""
+    slave = fmu.slave().initialise(fmu.start)
+    run(fmu, slave, 0, 1)
+    v = fmu.description.real_inputs[0]
+    before = len(slave.host.log)
+    status = slave.call("SetReal", *arrays("Real", [v.reference], [math.nan]))
+    status = max(status, slave.call("DoStep", fmu.point(1), fmu.h, 1))
+    if status == 0 and len(slave.host.log) == before:
+        yield Finding("nan-input", f"a step with {v.name} = NaN gave fmi2OK, and nothing was logged")
+    slave.must("Reset")
+    slave.initialise(fmu.start)
+    fresh = fmu.slave("fresh").initialise(fmu.start)
+    apart = difference(run(fmu, fresh, 0, 3), run(fmu, slave, 0, 3))
+    if apart:
+        yield Finding("reset", f"reset after a step with {v.name} = NaN, {apart}")
+    fresh.free()
+    slave.free()
+
+
+def strings_copied(fmu: Fmu) -> Iterator[Finding]:
+    """A text that was set is the FMU's own from then on."""
+    v = _settable_strings(fmu.description)[0]
+    slave: Slave = fmu.slave()
+    text = ctypes.create_string_buffer(b"a text of the host")
+    values = (c_void_p * 1)(ctypes.addressof(text))
+    slave.must("SetString", (c_int * 1)(v.reference), c_size_t(1), values)
+    ctypes.memset(text, ord("x"), len(text) - 1)
+    slave.initialise(fmu.start)
+    run(fmu, slave, 0, 1)
+    got = slave.get([v])[v]
+    if got != "a text of the host":
+        yield Finding("string-kept", f"{v.name} was set to 'a text of the host', overwritten it is {got!r}")
+    slave.free()
+
+
+def _settable_strings(description: Description) -> list[Variable]:
+    return [
+        v
+        for v in description.variables
+        if v.type == "String" and v.initial == "exact" and v.variability != "constant"
+    ]
+
+
+def _no_strings(description: Description) -> str | None:
+    return None if _settable_strings(description) else "no String can be set before initialisation"
+
+
+CHECKS = (
+    Check("start-values", start_values),
+    Check("set-lost", kept),
+    not_settable("set-constant", "constant", "", "constant"),
+    not_settable("set-output", "output", "output", "continuous"),
+    not_settable("set-fixed", "fixed parameter after initialisation", "parameter", "fixed"),
+    Check("not-finite", finite),
+    Check("nan-input", nan_input, needs_inputs),
+    Check("string-kept", strings_copied, _no_strings, crash="string-kept"),
+)
