@@ -16,6 +16,8 @@ from .finding import Finding
 from .groups import GROUPS
 from .journal import Journal
 
+FAULT = "a fault of the check itself"
+
 
 def main(folder: str, work: str, group: str, steps: str, *done: str) -> None:
     """Make the checks of a group; where the FMU takes the process along, the lines tell how far it was."""
@@ -45,6 +47,8 @@ def main(folder: str, work: str, group: str, steps: str, *done: str) -> None:
                 tell({"finding": "library-loads", "got": str(error)})
             except Ended:
                 tell({"skipped": check.name, "why": "the FMU ends the simulation before"})
+            except Exception as error:  # noqa: BLE001  one check that is at fault must not silence the others
+                tell({"skipped": check.name, "why": f"{FAULT}: {error!r}"})
         tell({"check": "unload"})
 
 

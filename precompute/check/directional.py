@@ -17,7 +17,7 @@ NAMED = 5  # findings of one kind
 def initial(fmu: Fmu) -> Iterator[Finding]:
     """Of InitialUnknowns by inputs and by what has initial=exact, in initialization mode."""
     description = fmu.description
-    point = accepted(fmu, generic(fmu))
+    point = accepted(fmu, generic(description))
     slave = initialising(fmu, point)
     reals = [v for v in knowns(description) if v.type == "Real" and v in point]
     yield from _compare(fmu, slave, "in initialization mode", description.initial_unknowns, reals, point)

@@ -73,9 +73,7 @@ def _problems(d: Description, group: str, u: Unknown) -> Iterator[str]:
     for v in (d.variables[i] for i in known):
         initial = group == "InitialUnknowns" and v.initial == "exact"
         if not (initial or v.causality in ("input", "independent") or d.variables.index(v) in _states(d)):
-            yield f"{name} depends on {v.name}, which is neither input nor state" + (
-                " nor exact" if group == "InitialUnknowns" else ""
-            )
+            yield f"{name} depends on {v.name}, which is none of the knowns there"
             return
 
 

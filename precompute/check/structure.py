@@ -1,10 +1,13 @@
 """ModelStructure against what the FMU does: which unknowns change when a known is changed (section 2.2.8).
 
 In initialization mode set and get may alternate, so each known is moved by itself and all unknowns are read.
-Between steps the same is done with the inputs, where the FMU has values at once.
+Between steps the same is done with the inputs, where the FMU has values at once. Twice: from a point where
+nothing is zero by chance, and with inputs and states at their start values, where a small effect is not
+lost in a large value.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from .check import Check
 from .description import Description, Unknown, Value, Variable
@@ -15,45 +18,50 @@ from .runs import inputs_at, moved, run, same
 MANY = 150  # knowns that are moved
 ROUNDING = 1e-9  # of a value: less is the noise of an iteration
 NAMED = 5  # findings of one kind
+Pair = tuple[int, int]  # places of an unknown and a known
+
+
+@dataclass(frozen=True)
+class Effects:
+    """any: pairs in which the unknown changed at all; large: by more than rounding."""
+
+    any: frozenset[Pair]
+    large: frozenset[Pair]
 
 
 def knowns(description: Description) -> tuple[Variable, ...]:
-    """In initialization mode: inputs, and what has initial=exact and can be set."""
+    """In initialization mode: inputs, and what has initial=exact and can be set; each n-th of very many."""
     found = [
         v
         for v in description.variables
-        if (v.causality == "input" or v.initial == "exact")
-        and v.variability != "constant"
-        and v.type in ("Real", "Boolean", "Integer")
+        if (v.causality == "input" or v.initial == "exact") and v.variability != "constant"
     ]
-    every = max(1, -(-len(found) // MANY))
-    return tuple(found[::every])
+    return tuple(found[:: max(1, -(-len(found) // MANY))])
 
 
-def other_value(v: Variable, amount: float) -> Value | None:
+def other_value(v: Variable) -> Value | None:
     """Another value of a known; None where it has none that is sure to be good."""
     if v.type == "Real":
-        return moved(v, amount)
+        return moved(v, 0.9)
     if v.type == "Boolean":
         return not v.start
-    start = int(v.start or 0)
-    steps = [start - 1, start + 1]
-    within = [
-        x for x in steps if v.minimum is not None and v.maximum is not None and v.minimum <= x <= v.maximum
-    ]
-    return within[0] if within else None
+    if v.type == "String":
+        return f"{v.start}."
+    if v.type == "Integer" and v.minimum is not None and v.maximum is not None:
+        return int(v.minimum if v.start != v.minimum else v.maximum)
+    return None
 
 
-def generic(fmu: Fmu) -> dict[Variable, Value]:
-    """A point where nothing is zero by chance: Reals on both sides of their start values."""
-    reals = [v for v in knowns(fmu.description) if v.type == "Real"]
+def generic(description: Description) -> dict[Variable, Value]:
+    """Reals on both sides of their start values, each by an amount of its own."""
+    reals = [v for v in knowns(description) if v.type == "Real"]
     return {
         v: moved(v, 0.3 + 0.05 * (i % 7) if i % 2 else -0.45 + 0.04 * (i % 5)) for i, v in enumerate(reals)
     }
 
 
 def initialising(fmu: Fmu, point: Mapping[Variable, Value]) -> Slave:
-    """In initialization mode, with these knowns set; those that are refused stay as they are."""
+    """In initialization mode, with these knowns set."""
     slave = fmu.slave()
     slave.setup(fmu.start)
     slave.must("EnterInitializationMode")
@@ -80,43 +88,44 @@ def _alone(fmu: Fmu, v: Variable, value: Value) -> bool:
 
 def initial(fmu: Fmu) -> Iterator[Finding]:
     """InitialUnknowns."""
-    description = fmu.description
-    point = accepted(fmu, generic(fmu))
-    unknowns = [u for u in description.initial_unknowns if 0 <= u.place < len(description.variables)]
-    moves = {v: value for v in knowns(description) if (value := other_value(v, 0.9)) is not None}
+    d = fmu.description
+    moves = {v: value for v in knowns(d) if (value := other_value(v)) is not None}
     moves = accepted(fmu, moves)
-    slave = initialising(fmu, point)
-    yield from _compare(fmu, slave, "InitialUnknowns", unknowns, moves, point)
-    slave.free()
+    everywhere = accepted(fmu, generic(d))
+    effects = []
+    for point in (everywhere, {v: x for v, x in everywhere.items() if v.causality == "parameter"}):
+        slave = initialising(fmu, point)
+        effects.append(_effects(d, slave, d.initial_unknowns, moves, point))
+        slave.free()
+    yield from _judge(d, "InitialUnknowns", d.initial_unknowns, moves, effects)
 
 
 def at_a_point(fmu: Fmu) -> Iterator[Finding]:
     """Outputs, by the inputs."""
-    description = fmu.description
-    slave = fmu.slave().initialise(fmu.start)
-    run(fmu, slave, 0, 3)
-    point = inputs_at(fmu, 2)
-    moves = {v: value for v in description.inputs if (value := other_value(v, 0.9)) is not None}
-    unknowns = [u for u in description.outputs if 0 <= u.place < len(description.variables)]
-    yield from _compare(fmu, slave, "Outputs", unknowns, moves, point)
-    slave.free()
+    d = fmu.description
+    moves = {v: value for v in d.inputs if (value := other_value(v)) is not None}
+    effects = []
+    for steps, point in ((3, inputs_at(fmu, 2)), (0, {})):
+        slave = fmu.slave().initialise(fmu.start)
+        run(fmu, slave, 0, steps)
+        effects.append(_effects(d, slave, d.outputs, moves, point))
+        slave.free()
+    yield from _judge(d, "Outputs", d.outputs, moves, effects)
 
 
-def _compare(
-    fmu: Fmu,
+def _effects(
+    d: Description,
     slave: Slave,
-    group: str,
     unknowns: Sequence[Unknown],
     moves: Mapping[Variable, Value],
     point: Mapping[Variable, Value],
-) -> Iterator[Finding]:
-    """Move each known by itself; what changes must depend on it, by its declaration."""
-    variables = fmu.description.variables
-    place = {v: i for i, v in enumerate(variables)}
-    read = [variables[u.place] for u in unknowns]
+) -> Effects:
+    """Move each known by itself and put it back."""
+    places = [u.place for u in unknowns if 0 <= u.place < len(d.variables)]
+    read = [d.variables[place] for place in places]
     before = slave.get(read)
-    named: dict[str, int] = {}
-    seen: set[tuple[int, int]] = set()
+    small: set[Pair] = set()
+    large: set[Pair] = set()
     for known, value in moves.items():
         back = point.get(known, known.start)
         if back is None or same(back, value):
@@ -124,44 +133,50 @@ def _compare(
         slave.set({known: value})
         after = slave.get(read)
         slave.set({known: back})
-        for unknown, v in zip(unknowns, read, strict=True):
-            if not _changed(before[v], after[v]):
-                continue
-            seen.add((unknown.place, place[known]))
-            allowed = unknown.dependencies is None or place[known] in unknown.dependencies
-            if not (allowed or v == known) and named.setdefault(group, 0) < NAMED:
-                named[group] += 1
-                yield Finding(
-                    "dependencies-missing",
-                    f"{group}: {v.name} changes with {known.name}, which is not listed",
-                )
-    yield from _unused(fmu.description, group, unknowns, moves, seen)
+        here = d.variables.index(known)
+        for place, v in zip(places, read, strict=True):
+            if place != here and not same(before[v], after[v]):
+                small.add((place, here))
+                if _large(before[v], after[v]):
+                    large.add((place, here))
+    return Effects(frozenset(small), frozenset(large))
 
 
-def _unused(
-    description: Description,
+def _judge(
+    d: Description,
     group: str,
     unknowns: Sequence[Unknown],
     moves: Mapping[Variable, Value],
-    seen: set[tuple[int, int]],
+    effects: Sequence[Effects],
 ) -> Iterator[Finding]:
-    """Listed and never seen; one in ten may be a term that vanishes here."""
-    variables = description.variables
-    moved_places = {i for i, v in enumerate(variables) if v in moves}
-    listed = [(u.place, i) for u in unknowns for i in u.dependencies or () if i in moved_places]
-    idle = [pair for pair in listed if pair not in seen]
+    """What changes must be listed; what is listed should change."""
+    dependencies = {u.place: u.dependencies for u in unknowns}
+    name = [v.name for v in d.variables]
+    missing = sorted(
+        (unknown, known)
+        for unknown, known in effects[0].large
+        if (listed := dependencies[unknown]) is not None and known not in listed
+    )
+    for unknown, known in missing[:NAMED]:
+        said = f"{group}: {name[unknown]} changes with {name[known]}, which is not listed"
+        rest = f" ({len(missing)} such pairs)" if len(missing) > NAMED else ""
+        yield Finding("dependencies-missing", said + rest)
+    moved_places = {i for i, v in enumerate(d.variables) if v in moves}
+    listed_pairs = [(u.place, i) for u in unknowns for i in u.dependencies or () if i in moved_places]
+    idle = [pair for pair in listed_pairs if not any(pair in e.any for e in effects) and pair[0] != pair[1]]
     if idle:
-        unknown, known = (variables[i].name for i in idle[0])
+        unknown, known = idle[0]
         yield Finding(
             "dependencies-unused",
-            f"{group}: {len(idle)} of {len(listed)} listed were not seen, such as of {unknown} on {known}",
+            f"{group}: {len(idle)} of {len(listed_pairs)} listed were not seen, such as of {name[unknown]} "
+            f"on {name[known]}",
         )
 
 
-def _changed(before: Value, after: Value) -> bool:
+def _large(before: Value, after: Value) -> bool:
     if isinstance(before, float) and isinstance(after, float):
-        return not same(before, after) and not abs(after - before) <= ROUNDING * max(abs(before), abs(after))
-    return before != after
+        return not abs(after - before) <= ROUNDING * max(abs(before), abs(after))
+    return True
 
 
 def _no_initial(description: Description) -> str | None:
