@@ -127,6 +127,7 @@ CHECKS = (
     illegal("wrong-mode", "stepping", "EnterInitializationMode", "between steps"),
     illegal("wrong-mode", "stepping", "SetupExperiment", "between steps"),
     illegal("wrong-mode", "instantiated", "Terminate", "before initialisation"),
+    illegal("wrong-mode", "stepping", "CancelStep", "without a pending step"),
     step_size("step-zero", 0.0, "of no length"),
     step_size("step-zero", -1.0, "backwards"),
     point_mismatch("time-going-back", -2, "after steps up to"),

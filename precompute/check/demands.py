@@ -130,6 +130,12 @@ DEMANDS: Mapping[str, Demand] = {
     "state-inputs": _demand(
         "error", "2.1.8", "the state holds the values of the inputs", "save the inputs too"
     ),
+    "state-parameters": _demand(
+        "error",
+        "2.1.8",
+        "the state holds the values of the parameters",
+        "save them, and what was made of them",
+    ),
     "state-overwrite": _demand(
         "error",
         "2.1.8",
@@ -230,12 +236,16 @@ DEMANDS: Mapping[str, Demand] = {
     "out-of-range": _demand(
         "warning", "2.2.7", "values keep to their min and max", "widen the range that is declared"
     ),
-    "nan-input": _demand(
+    "nan-accepted": _demand(
         "note",
         "4.2.2",
-        "a step that cannot be made with its inputs is fmi2Error or fmi2Discard",
-        "refuse inputs that are no numbers",
+        "a step that cannot be made with its inputs or parameters is fmi2Error or fmi2Discard",
+        "refuse values that are no numbers",
     ),
+    "reading-changes": _demand(
+        "error", "2.1.7", "fmi2GetXXX changes nothing", "compute what is read, and leave the state alone"
+    ),
+    "array-overrun": _demand("error", "2.1.7", "fmi2GetXXX writes nvr values", "count them"),
     "string-kept": _demand("error", "2.1.7", "fmi2SetString copies the texts", "copy them"),
     # --- steps
     "step-refused": _demand(
@@ -255,6 +265,12 @@ DEMANDS: Mapping[str, Demand] = {
         "4.2.2",
         "a communication point differs from the FMU's own time by rounding",
         "compare with a tolerance",
+    ),
+    "step-status": _demand(
+        "error",
+        "4.2.3",
+        "fmi2GetXXXStatus tells of the last step, or gives fmi2Discard",
+        "keep its end and its status",
     ),
     "time-variable": _demand(
         "error",
@@ -313,6 +329,18 @@ DEMANDS: Mapping[str, Demand] = {
         "with canInterpolateInputs the derivatives of the inputs have their effect on the next step",
         "let the inputs follow the polynomial from the beginning of the step",
     ),
+    "input-derivative-kept": _demand(
+        "warning",
+        "4.2.1",
+        "derivatives of inputs are set for the beginning of one step",
+        "forget them when the step is made",
+    ),
+    "derivative": _demand(
+        "error",
+        "2.2.7",
+        "a variable with the attribute derivative is that derivative",
+        "compute it at the same time",
+    ),
     "derivative-order-zero": _demand("warning", "4.2.1", "orders begin at 1", "return fmi2Error"),
     "output-derivative": _demand(
         "error",
@@ -346,6 +374,12 @@ DEMANDS: Mapping[str, Demand] = {
         "2.2.8",
         "without providesDirectionalDerivative a co-simulation FMU does not list dependencies on states",
         "leave the states out",
+    ),
+    "alias": _demand(
+        "error",
+        "2.1.7",
+        "variables with one value reference are one value",
+        "give each value a reference of its own",
     ),
     "capabilities": _demand(
         "error", "4.3.1", "canSerializeFMUstate needs canGetAndSetFMUstate", "declare both"

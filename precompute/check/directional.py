@@ -25,20 +25,31 @@ def initial(fmu: Fmu) -> Iterator[Finding]:
 
 
 def at_a_point(fmu: Fmu) -> Iterator[Finding]:
-    """Of Outputs and Derivatives by the inputs, between steps."""
-    description = fmu.description
+    """Of Outputs and Derivatives by the inputs, between steps; by the states it must keep to the structure."""
+    d = fmu.description
     slave = fmu.slave().initialise(fmu.start)
     run(fmu, slave, 0, 3)
-    point = inputs_at(fmu, 2)
-    yield from _compare(
-        fmu,
-        slave,
-        "at a communication point",
-        (*description.outputs, *description.derivatives),
-        description.real_inputs,
-        point,
-    )
+    unknowns = (*d.outputs, *d.derivatives)
+    where = "at a communication point"
+    yield from _compare(fmu, slave, where, unknowns, d.real_inputs, inputs_at(fmu, 2))
+    states = [d.variables[i] for u in d.derivatives if (i := d.variables[u.place].derivative) is not None]
+    reals = [u for u in unknowns if d.variables[u.place].type == "Real"]
+    named = 0
+    for state in states:
+        column = _column(slave, [d.variables[u.place] for u in reals], state)
+        here = d.variables.index(state)
+        for u, slope in zip(reals, column, strict=True):
+            if slope != 0 and u.dependencies is not None and here not in u.dependencies and named < NAMED:
+                named += 1
+                yield _not_listed(where, d.variables[u.place], state, slope)
     slave.free()
+
+
+def _not_listed(where: str, unknown: Variable, known: Variable, slope: float) -> Finding:
+    return Finding(
+        "dependencies-missing",
+        f"{where} the derivative of {unknown.name} by {known.name} is {slope:.6g}, which is not listed",
+    )
 
 
 def _compare(
@@ -85,11 +96,7 @@ def _compare(
                 )
             if not depend[k] and got != 0 and not wrong and named < NAMED:
                 named += 1
-                yield Finding(
-                    "dependencies-missing",
-                    f"{where} the derivative of {read[k].name} by {known.name} is {got:.6g}, "
-                    "and the one is not listed to depend on the other",
-                )
+                yield _not_listed(where, read[k], known, got)
     yield from _linear(slave, where, read, listed, columns)
 
 

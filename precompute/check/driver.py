@@ -16,8 +16,9 @@ from .host import Callbacks, Host
 OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
 STATUS = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal", "fmi2Pending")
 CO_SIMULATION = 1
-TERMINATED = 3  # fmi2Terminated of fmi2StatusKind
+LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3  # of fmi2StatusKind
 KINDS = ("Real", "Integer", "Boolean", "String")
+GUARDS, UNTOUCHED = 4, 0x5A  # elements behind the array of a getter, and their bytes
 ELEMENT: Mapping[str, Any] = {"Real": c_double, "Integer": c_int, "Boolean": c_int, "String": c_char_p}
 
 # the arguments behind the component, of the functions that a co-simulation FMU must have (section 2.3)
@@ -113,6 +114,7 @@ class Slave:
 
     def __init__(self, library: Library, component: int, host: Host, callbacks: Callbacks) -> None:
         self._library, self.component, self.host = library, component, host
+        self.overrun = ""  # what a getter wrote behind its array
         self.callbacks = callbacks  # as long as the instance
 
     def call(self, name: str, *arguments: Any) -> int:
@@ -189,11 +191,15 @@ class Slave:
 
     def _get(self, kind: str, references: Sequence[int]) -> list[Value]:
         count = len(references)
-        values = (ELEMENT[kind] * count)()
+        values = (ELEMENT[kind] * (count + GUARDS))()
+        ctypes.memset(values, UNTOUCHED, ctypes.sizeof(values))
         self.must(f"Get{kind}", (c_uint * count)(*references), count, values)
+        size = ctypes.sizeof(ELEMENT[kind])
+        if bytes(values)[count * size :] != bytes([UNTOUCHED]) * (GUARDS * size):
+            self.overrun = f"fmi2Get{kind} of {count} values wrote behind the last of them"
         if kind == "String":
-            return [(raw or b"").decode(errors="replace") for raw in values]
-        return list(values)
+            return [(values[k] or b"").decode(errors="replace") for k in range(count)]
+        return list(values[:count])
 
     # derivatives
     def directional(

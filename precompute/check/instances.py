@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from .check import Check
 from .description import Description
-from .driver import Fmu
+from .driver import Fmu, Refused
 from .finding import Finding
 from .runs import Snapshot, difference, fresh_run, observed, run
 
@@ -21,7 +21,11 @@ def repeatable(fmu: Fmu) -> Iterator[Finding]:
 def beside(fmu: Fmu) -> Iterator[Finding]:
     """Two instances step by turns, with inputs of their own, as each does alone."""
     alone = [fresh_run(fmu, fmu.steps, phase) for phase in PHASES]
-    both = [fmu.slave(name).initialise(fmu.start) for name in ("one", "two")]
+    try:
+        both = [fmu.slave(name).initialise(fmu.start) for name in ("one", "two")]
+    except Refused as refused:
+        yield Finding("second-instance", f"while another one lives, {refused}")
+        return
     rows: tuple[list[Snapshot], list[Snapshot]] = ([], [])
     for k in range(fmu.steps):
         for slave, row, phase in zip(both, rows, PHASES, strict=True):

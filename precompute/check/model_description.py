@@ -82,6 +82,20 @@ def _states(d: Description) -> set[int]:
     return {i for i in found if i is not None}
 
 
+def aliases(fmu: Fmu) -> Iterator[Finding]:
+    """Variables of one value reference have one value, so one unit, and depend on the same."""
+    d = fmu.description
+    listed = {u.place: u.dependencies for u in d.outputs}
+    first: dict[tuple[str, int], int] = {}
+    for i, v in enumerate(d.variables):
+        one = first.setdefault((v.getter, v.reference), i)
+        other = d.variables[one]
+        if one != i and v.unit != other.unit:
+            yield Finding("alias", f"{v.name} and {other.name} share a value reference, not the unit")
+        elif one in listed and i in listed and listed[one] != listed[i]:
+            yield Finding("alias", f"{v.name} and {other.name} share a value reference, not the dependencies")
+
+
 def flags(fmu: Fmu) -> Iterator[Finding]:
     """Capabilities that need each other; times of the DefaultExperiment."""
     d = fmu.description
@@ -104,6 +118,7 @@ CHECKS = (
     Check("model-description", valid),
     Check("range", ranges),
     Check("model-structure", structure),
+    Check("alias", aliases),
     Check("capabilities", flags),
     Check("files", files),
 )

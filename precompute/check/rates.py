@@ -1,13 +1,13 @@
 """Derivatives by time: of inputs, that a step is given, and of outputs, that it gives (section 4.2.1)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from ctypes import c_double, c_int, c_uint
 
 from .check import Check
 from .description import Description
 from .driver import Fmu, Refused
 from .finding import Finding
-from .runs import SMALL, inputs_at, run, size_of
+from .runs import SMALL, difference, inputs_at, run, size_of
 
 PARTS = 64  # steps in place of one; a ramp held in the middle of each leaves 1/PARTS² of its effect
 AGREE = 0.05  # of the effect; a jump at the end, where the outputs hold the inputs at once, is 1/(2 PARTS)
@@ -44,6 +44,63 @@ def input_derivatives(fmu: Fmu) -> Iterator[Finding]:
                 f"by {effect:.6g} in {PARTS}",
             )
             return
+
+
+def input_derivatives_end(fmu: Fmu) -> Iterator[Finding]:
+    """The derivatives are those of one step: the next one, with inputs alone, holds them."""
+    ramps = {v: SMALL * size_of(v) / fmu.h for v in fmu.description.real_inputs}
+    ends = []
+    for again in (False, True):
+        slave = fmu.slave().initialise(fmu.start)
+        run(fmu, slave, 0, 3)
+        slave.set_rates(ramps)
+        slave.step(fmu.point(3), fmu.h)
+        slave.set(inputs_at(fmu, 4))
+        if again:
+            slave.set_rates(dict.fromkeys(ramps, 0.0))
+        slave.step(fmu.point(4), fmu.h)
+        ends.append(slave.get(fmu.description.real_outputs))
+        slave.free()
+    apart = difference(ends[1:], ends[:1])
+    if apart:
+        yield Finding(
+            "input-derivative-kept", f"compared with derivatives set to 0 for a second step: {apart}"
+        )
+
+
+def states_derivatives(fmu: Fmu) -> Iterator[Finding]:
+    """What is declared as the derivative of a variable against the change of that over short steps."""
+    pairs = [
+        (fmu.description.variables[i], v)
+        for v in fmu.description.variables
+        if (i := v.derivative) is not None
+    ]
+    slave = fmu.slave().initialise(fmu.start)
+    run(fmu, slave, 0, 4)
+    slave.set(inputs_at(fmu, 3))
+    h = fmu.h * SHORT
+    rows = []
+    for k in range(3):
+        slave.step(fmu.point(4) + k * h, h)
+        rows.append({v: float(x) for v, x in slave.get([v for pair in pairs for v in pair]).items()})
+    slave.free()
+    for whole, rate in pairs:
+        wrong = _disagree([row[rate] for row in rows], [row[whole] for row in rows], h)
+        if wrong:
+            yield Finding("derivative", f"{rate.name}, the derivative of {whole.name}: {wrong}")
+            return
+
+
+def _disagree(rates: Sequence[float], levels: Sequence[float], h: float) -> str | None:
+    """The rate in the middle of three points against the central difference; what it may be off by is
+    its own change meanwhile, and the rounding of the levels.
+    """
+    got, found = rates[1], (levels[2] - levels[0]) / (2 * h)
+    bend = abs(rates[2] - rates[0])
+    noise = 1e4 * 2.2e-16 * max(map(abs, levels)) / h
+    if abs(got - found) <= AGREE * max(abs(got), abs(found)) + bend + noise:
+        return None
+    return f"{got:.6g}, by differences {found:.6g}"
 
 
 def order_zero(fmu: Fmu) -> Iterator[Finding]:
@@ -118,9 +175,18 @@ def _interpolates(description: Description) -> str | None:
     return None if description.real_inputs else "no continuous Real inputs"
 
 
+def _derivatives(description: Description) -> str | None:
+    if all(v.derivative is None for v in description.variables):
+        return "no variable is a derivative"
+    return _short_steps(description)
+
+
 CHECKS = (
     Check("input-derivative", input_derivatives, lambda d: _interpolates(d) or _short_steps(d)),
     Check("derivative-order-zero", order_zero, _interpolates),
+    Check("input-derivative-kept", input_derivatives_end, _interpolates),
     output_derivatives(1),
     output_derivatives(2),
+    output_derivatives(3),
+    Check("derivative", states_derivatives, _derivatives),
 )

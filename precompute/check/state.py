@@ -9,7 +9,8 @@ from .description import Description
 from .driver import Fmu, Slave
 from .finding import Finding
 from .host import GUARD, overwrite
-from .runs import difference, run
+from .runs import SMALL, difference, run, size_of
+from .values import tuned
 
 
 def saved(slave: Slave, into: c_void_p | None = None) -> c_void_p:
@@ -66,8 +67,11 @@ def restore(fmu: Fmu) -> Iterator[Finding]:
 
 
 def inputs_in_state(fmu: Fmu) -> Iterator[Finding]:
-    """The values of the inputs are part of the state."""
+    """The values of the inputs, and their derivatives for the next step, are part of the state."""
     slave, half = started(fmu)
+    ramps = {v: SMALL * size_of(v) / fmu.h for v in fmu.description.real_inputs}
+    if ramps and fmu.description.can("canInterpolateInputs"):
+        slave.set_rates(ramps)
     state = saved(slave)
     slave.step(fmu.point(half), fmu.h)
     held = slave.get(fmu.description.variables)
@@ -77,6 +81,21 @@ def inputs_in_state(fmu: Fmu) -> Iterator[Finding]:
     apart = difference([held], [slave.get(fmu.description.variables)])
     if apart:
         yield Finding("state-inputs", f"with the inputs not set again, {apart}")
+    slave.free()
+
+
+def parameters_in_state(fmu: Fmu) -> Iterator[Finding]:
+    """The values of the parameters are part of the state."""
+    slave, half = started(fmu)
+    state = saved(slave)
+    expected = run(fmu, slave, half, 2)
+    slave.must("SetFMUstate", state)
+    slave.set(tuned(fmu.description))
+    run(fmu, slave, half, 2)
+    slave.must("SetFMUstate", state)
+    apart = difference(expected, run(fmu, slave, half, 2))
+    if apart:
+        yield Finding("state-parameters", f"tuned after it was saved, the state restored, {apart}")
     slave.free()
 
 
@@ -138,9 +157,15 @@ def _serialises(description: Description) -> str | None:
     return needs("canGetAndSetFMUstate")(description) or needs("canSerializeFMUstate")(description)
 
 
+def _tunable(description: Description) -> str | None:
+    found = needs("canGetAndSetFMUstate")(description)
+    return found or (None if tuned(description) else "no Real parameter is tunable")
+
+
 CHECKS = (
     Check("state-restore", restore, needs("canGetAndSetFMUstate")),
     Check("state-inputs", inputs_in_state, needs("canGetAndSetFMUstate")),
+    Check("state-parameters", parameters_in_state, _tunable),
     Check("state-lives", lives, needs("canGetAndSetFMUstate")),
     Check("state-after-terminate", after_terminate, needs("canGetAndSetFMUstate")),
     Check("serialise", roundtrip, _serialises),

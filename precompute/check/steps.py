@@ -1,10 +1,12 @@
 """Steps and time: sizes that vary, where a run begins, points that are rounded (section 4.2.2)."""
 
+import ctypes
 from collections.abc import Iterator, Sequence
+from ctypes import c_double, c_int
 
 from .check import Check, needs
 from .description import Variable
-from .driver import Ended, Fmu, Refused
+from .driver import LAST_SUCCESSFUL_TIME, OK, TERMINATED, Ended, Fmu, Refused
 from .finding import Finding
 from .runs import inputs_at, observed, run, shown
 
@@ -88,6 +90,21 @@ def independent(fmu: Fmu) -> Iterator[Finding]:
     slave.free()
 
 
+def status(fmu: Fmu) -> Iterator[Finding]:
+    """The end of the last step, where the FMU tells it."""
+    slave = fmu.slave().initialise(fmu.start)
+    run(fmu, slave, 0, 3)
+    reached, wants = c_double(-1.0), c_int(-1)
+    if slave.call("GetRealStatus", LAST_SUCCESSFUL_TIME, ctypes.byref(reached)) == OK:
+        if not abs(reached.value - fmu.point(3)) <= 1e-6 * fmu.h:
+            yield Finding(
+                "step-status", f"fmi2LastSuccessfulTime is {reached.value:g} s at {fmu.point(3):g} s"
+            )
+    if slave.call("GetBooleanStatus", TERMINATED, ctypes.byref(wants)) == OK and wants.value != 0:
+        yield Finding("step-status", "fmi2Terminated is true after a step of fmi2OK")
+    slave.free()
+
+
 def whole_run(fmu: Fmu) -> Iterator[Finding]:
     """A run with moving inputs comes to its end."""
     slave = fmu.slave().initialise(fmu.start)
@@ -108,6 +125,7 @@ CHECKS = (
     Check("run", whole_run),
     Check("variable-step", variable_step, needs("canHandleVariableCommunicationStepSize")),
     Check("start-time", start_time),
+    Check("step-status", status),
     Check("time-rounding", rounded_points),
     Check(
         "time-variable",

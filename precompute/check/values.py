@@ -2,17 +2,19 @@
 
 import ctypes
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from ctypes import c_int, c_size_t, c_void_p
 
-from .check import Check, needs_inputs
+from .check import Check
 from .description import Description, Value, Variable
 from .driver import Fmu, Slave, arrays
 from .finding import Finding
+from .instances import several
 from .runs import difference, inputs_at, moved, run, shown
 
 SIX_DIGITS = 1e-6  # relative: what some exporters write of a start value
 MOST = 5  # variables that are named in one finding
+MANY = 200  # variables that are set at once
 
 
 def differs(variable: Variable, got: Value, expected: Value) -> bool:
@@ -110,24 +112,31 @@ def finite(fmu: Fmu) -> Iterator[Finding]:
     slave.free()
 
 
-def nan_input(fmu: Fmu) -> Iterator[Finding]:
-    """An input that is no number is refused, or shows; the instance can be reset and used."""
-    slave = fmu.slave().initialise(fmu.start)
-    run(fmu, slave, 0, 1)
-    v = fmu.description.real_inputs[0]
-    before = len(slave.host.log)
-    status = slave.call("SetReal", *arrays("Real", [v.reference], [math.nan]))
-    status = max(status, slave.call("DoStep", fmu.point(1), fmu.h, 1))
-    if status == 0 and len(slave.host.log) == before:
-        yield Finding("nan-input", f"a step with {v.name} = NaN gave fmi2OK, and nothing was logged")
-    slave.must("Reset")
-    slave.initialise(fmu.start)
-    fresh = fmu.slave("fresh").initialise(fmu.start)
-    apart = difference(run(fmu, fresh, 0, 3), run(fmu, slave, 0, 3))
-    if apart:
-        yield Finding("reset", f"reset after a step with {v.name} = NaN, {apart}")
-    fresh.free()
-    slave.free()
+def not_a_number(name: str, chosen: Callable[[Description], Sequence[Variable]]) -> Check:
+    """NaN is refused, by the setter or the step; and a reset brings the instance back."""
+
+    def check(fmu: Fmu) -> Iterator[Finding]:
+        slave = fmu.slave().initialise(fmu.start)
+        run(fmu, slave, 0, 1)
+        v = chosen(fmu.description)[0]
+        before = len(slave.host.log)
+        status = slave.call("SetReal", *arrays("Real", [v.reference], [math.nan]))
+        status = max(status, slave.call("DoStep", fmu.point(1), fmu.h, 1))
+        if status == 0 and len(slave.host.log) == before:
+            yield Finding("nan-accepted", f"a step with {v.name} = NaN gave fmi2OK, and nothing was logged")
+        slave.must("Reset")
+        slave.initialise(fmu.start)
+        fresh = fmu.slave("fresh").initialise(fmu.start)
+        apart = difference(run(fmu, fresh, 0, 3), run(fmu, slave, 0, 3))
+        if apart:
+            yield Finding("reset", f"reset after a step with {v.name} = NaN, {apart}")
+        fresh.free()
+        slave.free()
+
+    def hindrance(description: Description) -> str | None:
+        return several(description) or (None if chosen(description) else f"there is no such {name}")
+
+    return Check(f"NaN in a {name}", check, hindrance)
 
 
 def strings_copied(fmu: Fmu) -> Iterator[Finding]:
@@ -158,13 +167,68 @@ def _no_strings(description: Description) -> str | None:
     return None if _settable_strings(description) else "no String can be set before initialisation"
 
 
+def set_early(fmu: Fmu) -> Iterator[Finding]:
+    """What has a start value can be set before and during initialization mode, and has its effect."""
+    exact = [
+        v
+        for v in fmu.description.variables
+        if v.type == "Real"
+        and v.initial == "exact"
+        and v.variability != "constant"
+        and v.causality != "output"
+    ]
+    given = {v: moved(v, 0.5) for v in exact[:MANY]}
+    ends = []
+    for mode in ("before fmi2EnterInitializationMode", "in initialization mode"):
+        slave = fmu.slave()
+        slave.setup(fmu.start)
+        if mode == "in initialization mode":
+            slave.must("EnterInitializationMode")
+        slave.set(given)
+        if mode != "in initialization mode":
+            slave.must("EnterInitializationMode")
+        slave.must("ExitInitializationMode")
+        got = slave.get(given)
+        wrong = [v for v in given if differs(v, got[v], given[v])]
+        for v in wrong[:MOST]:
+            yield Finding("set-lost", f"{v.name} was set to {shown(given[v])} {mode}, it is {shown(got[v])}")
+        ends.append(run(fmu, slave, 0, 2))
+        slave.free()
+    apart = difference(*ends)
+    if apart:
+        yield Finding("set-lost", f"start values set in initialization mode instead of before it: {apart}")
+
+
+def reading(fmu: Fmu) -> Iterator[Finding]:
+    """Reading does not change anything, and writes no more than it is asked for."""
+    rows = []
+    for times in (0, 3):
+        slave = fmu.slave().initialise(fmu.start)
+        for k in range(8):
+            slave.set(inputs_at(fmu, k))
+            slave.step(fmu.point(k), fmu.h)
+            for _ in range(times):
+                slave.get(fmu.description.variables)
+        rows.append(slave.get(fmu.description.variables))
+        overrun = slave.overrun
+        slave.free()
+    apart = difference(rows[:1], rows[1:])
+    if apart:
+        yield Finding("reading-changes", f"with all variables read three times after each step, {apart}")
+    if overrun:
+        yield Finding("array-overrun", overrun)
+
+
 CHECKS = (
     Check("start-values", start_values),
+    Check("set-early", set_early),
     Check("set-lost", kept),
+    Check("reading", reading),
     not_settable("set-constant", "constant", "", "constant"),
     not_settable("set-output", "output", "output", "continuous"),
     not_settable("set-fixed", "fixed parameter after initialisation", "parameter", "fixed"),
     Check("not-finite", finite),
-    Check("nan-input", nan_input, needs_inputs),
+    not_a_number("continuous input", lambda d: d.real_inputs),
+    not_a_number("tunable parameter", lambda d: [*tuned(d)]),
     Check("string-kept", strings_copied, _no_strings, crash="string-kept"),
 )
