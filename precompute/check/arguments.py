@@ -12,6 +12,7 @@ from .finding import Finding
 from .host import Callbacks, Host, overwrite
 from .instances import several
 from .runs import difference, fresh_run, run
+from .state import saved
 
 LARGE = 50_000_000  # bytes of resources that are not copied
 NO_GUID = "{00000000-0000-0000-0000-000000000000}"
@@ -80,7 +81,7 @@ def null_callbacks(fmu: Fmu) -> Iterator[Finding]:
 
 def pointers_kept(fmu: Fmu) -> Iterator[Finding]:
     """What fmi2Instantiate was given is overwritten when it returns."""
-    expected = fresh_run(fmu, 2)
+    expected, told = fresh_run(fmu, 2), _told(fmu.slave().initialise(fmu.start), fmu)
     host = Host()
     kept = host.callbacks()  # the functions live on
     struct = Callbacks.from_buffer_copy(kept)
@@ -95,13 +96,23 @@ def pointers_kept(fmu: Fmu) -> Iterator[Finding]:
     ctypes.memset(ctypes.addressof(struct), 0, ctypes.sizeof(struct))
     slave = Slave(fmu.library, component, host, kept).initialise(fmu.start)
     apart = difference(expected, run(fmu, slave, 0, 2))
-    slave.call("DoStep", fmu.point(2), -1.0, 1)  # not legal: something to log
     names = sorted({message.instance for message in host.log} - {"checked"})
+    names += sorted({name for name, _ in _told(slave, fmu)} - {"checked"})
+    silent = bool(told) and not host.log
     slave.free()
     if apart:
         yield Finding("pointer-kept", f"with its arguments overwritten, {apart}")
+    if silent:
+        yield Finding("pointer-kept", "with the callbacks' struct overwritten it logs nothing any more")
     if names:
         yield Finding("pointer-kept", f"with its name overwritten by the host it logs as {names[0]!r}")
+
+
+def _told(slave: Slave, fmu: Fmu) -> list[tuple[str, str]]:
+    """What is logged of a step of negative size: instance and text."""
+    before = len(slave.host.log)
+    slave.call("DoStep", fmu.point(2), -1.0, 1)
+    return [(message.instance, message.text) for message in slave.host.log[before:]]
 
 
 def memory(fmu: Fmu) -> Iterator[Finding]:
@@ -109,6 +120,12 @@ def memory(fmu: Fmu) -> Iterator[Finding]:
     host = Host()
     slave = fmu.slave(host=host).initialise(fmu.start)
     run(fmu, slave, 0, fmu.steps)
+    if fmu.description.can("canGetAndSetFMUstate"):
+        before = host.held
+        state = saved(slave)
+        slave.must("FreeFMUstate", ctypes.byref(state))
+        if host.held > before:
+            yield Finding("memory-leak", f"after fmi2FreeFMUstate {host.held - before} bytes are still held")
     slave.must("Terminate")
     slave.free()
     host.inspect()

@@ -25,7 +25,7 @@ def initial(fmu: Fmu) -> Iterator[Finding]:
 
 
 def at_a_point(fmu: Fmu) -> Iterator[Finding]:
-    """Of Outputs and Derivatives by the inputs, between steps; by the states it must keep to the structure."""
+    """Of Outputs and Derivatives by the inputs, between steps; those by the states keep to the structure."""
     d = fmu.description
     slave = fmu.slave().initialise(fmu.start)
     run(fmu, slave, 0, 3)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from .check import Check
-from .description import DESCRIPTION, Description, Unknown
+from .description import DESCRIPTION, Description, Unknown, Variable
 from .driver import Fmu
 from .finding import Finding
 
@@ -43,8 +43,12 @@ def structure(fmu: Fmu) -> Iterator[Finding]:
         ("InitialUnknowns", d.initial_unknowns),
     ):
         for u in unknowns:
-            for problem in _problems(d, group, u):
+            problem = _problem(d, u)
+            if problem:
                 yield Finding("model-structure", f"{group}: {problem}")
+            elif foreign := [v.name for v in _foreign(d, group, u)]:
+                name = d.variables[u.place].name
+                yield Finding("dependencies-unknown", f"{group}: {name} depends on {foreign[0]}")
     places = [u.place for u in d.initial_unknowns]
     if places != sorted(places):
         yield Finding("model-structure", "InitialUnknowns are not in the order of the variables")
@@ -59,22 +63,26 @@ def structure(fmu: Fmu) -> Iterator[Finding]:
             )
 
 
-def _problems(d: Description, group: str, u: Unknown) -> Iterator[str]:
+def _problem(d: Description, u: Unknown) -> str | None:
     count = len(d.variables)
     if not 0 <= u.place < count:
-        yield f"the index {u.place + 1} is no variable's, there are {count}"
-        return
+        return f"the index {u.place + 1} is no variable's, there are {count}"
     name, known = d.variables[u.place].name, u.dependencies or ()
     if any(not 0 <= i < count for i in known):
-        yield f"{name} depends on an index that is no variable's, there are {count}"
-        return
+        return f"{name} depends on an index that is no variable's, there are {count}"
     if list(known) != sorted(set(known)):
-        yield f"the dependencies of {name} do not rise"
-    for v in (d.variables[i] for i in known):
-        initial = group == "InitialUnknowns" and v.initial == "exact"
-        if not (initial or v.causality in ("input", "independent") or d.variables.index(v) in _states(d)):
-            yield f"{name} depends on {v.name}, which is none of the knowns there"
-            return
+        return f"the dependencies of {name} do not rise"
+    return None
+
+
+def _foreign(d: Description, group: str, u: Unknown) -> Iterator[Variable]:
+    """What is listed and is none of the knowns there."""
+    states = _states(d)
+    for i in u.dependencies or ():
+        v = d.variables[i]
+        exact = group == "InitialUnknowns" and v.initial == "exact"
+        if not (exact or v.causality in ("input", "independent") or i in states):
+            yield v
 
 
 def _states(d: Description) -> set[int]:

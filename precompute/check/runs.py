@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 
-from .description import Value, Variable
+from .description import Description, Value, Variable
 from .driver import Ended, Fmu, Slave
 
 SMALL = 0.1  # of a variable's size: how far an input moves from its start value
@@ -37,6 +37,15 @@ def inputs_at(fmu: Fmu, k: int, phase: float = 0.0) -> dict[Variable, Value]:
     return values
 
 
+def tuned(description: Description) -> dict[Variable, Value]:
+    """Tunable Real parameters, moved a little."""
+    return {
+        v: moved(v, 0.5)
+        for v in description.variables
+        if (v.causality, v.variability, v.type) == ("parameter", "tunable", "Real")
+    }
+
+
 def observed(fmu: Fmu) -> tuple[Variable, ...]:
     """What a run records: every variable that has a value at a communication point."""
     return fmu.description.variables
@@ -68,12 +77,15 @@ def same(a: Value, b: Value) -> bool:
     return a == b or (a != a and b != b)
 
 
-def difference(expected: Sequence[Snapshot], got: Sequence[Snapshot]) -> str | None:
-    """The first value that two runs have different, in words; None where all are the same."""
-    for k, (one, other) in enumerate(zip(expected, got, strict=False)):
+def difference(expected: Sequence[Snapshot], got: Sequence[Snapshot], first: int = 1) -> str | None:
+    """The first value that two runs have different, in words; None where all are the same.
+
+    first: the number of steps before the first row.
+    """
+    for k, (one, other) in enumerate(zip(expected, got, strict=False), first):
         for v in one:
             if not same(one[v], other[v]):
-                return f"{v.name} is {shown(other[v])} instead of {shown(one[v])} after step {k + 1}"
+                return f"{v.name} is {shown(other[v])} instead of {shown(one[v])} after step {k}"
     if len(expected) != len(got):
         return f"it ended after {len(got)} steps instead of {len(expected)}"
     return None

@@ -9,8 +9,7 @@ from .description import Description
 from .driver import Fmu, Slave
 from .finding import Finding
 from .host import GUARD, overwrite
-from .runs import SMALL, difference, run, size_of
-from .values import tuned
+from .runs import SMALL, difference, run, size_of, tuned
 
 
 def saved(slave: Slave, into: c_void_p | None = None) -> c_void_p:

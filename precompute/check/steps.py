@@ -95,11 +95,9 @@ def status(fmu: Fmu) -> Iterator[Finding]:
     slave = fmu.slave().initialise(fmu.start)
     run(fmu, slave, 0, 3)
     reached, wants = c_double(-1.0), c_int(-1)
-    if slave.call("GetRealStatus", LAST_SUCCESSFUL_TIME, ctypes.byref(reached)) == OK:
-        if not abs(reached.value - fmu.point(3)) <= 1e-6 * fmu.h:
-            yield Finding(
-                "step-status", f"fmi2LastSuccessfulTime is {reached.value:g} s at {fmu.point(3):g} s"
-            )
+    known = slave.call("GetRealStatus", LAST_SUCCESSFUL_TIME, ctypes.byref(reached)) == OK
+    if known and not abs(reached.value - fmu.point(3)) <= 1e-6 * fmu.h:
+        yield Finding("step-status", f"fmi2LastSuccessfulTime is {reached.value:g} s at {fmu.point(3):g} s")
     if slave.call("GetBooleanStatus", TERMINATED, ctypes.byref(wants)) == OK and wants.value != 0:
         yield Finding("step-status", "fmi2Terminated is true after a step of fmi2OK")
     slave.free()

@@ -10,7 +10,7 @@ from .description import Description, Value, Variable
 from .driver import Fmu, Slave, arrays
 from .finding import Finding
 from .instances import several
-from .runs import difference, inputs_at, moved, run, shown
+from .runs import difference, inputs_at, moved, run, shown, tuned
 
 SIX_DIGITS = 1e-6  # relative: what some exporters write of a start value
 MOST = 5  # variables that are named in one finding
@@ -53,15 +53,6 @@ def kept(fmu: Fmu) -> Iterator[Finding]:
             "set-lost", f"{v.name} was set to {shown(given[v])}, after a step it is {shown(got[v])}"
         )
     slave.free()
-
-
-def tuned(description: Description) -> dict[Variable, Value]:
-    """Tunable Real parameters, moved a little."""
-    return {
-        v: moved(v, 0.5)
-        for v in description.variables
-        if (v.causality, v.variability, v.type) == ("parameter", "tunable", "Real")
-    }
 
 
 def not_settable(name: str, said: str, causality: str, variability: str) -> Check:
