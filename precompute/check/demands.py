@@ -366,8 +366,14 @@ DEMANDS: Mapping[str, Demand] = {
     "model-structure": _demand(
         "error",
         "2.2.8",
-        "indices of ModelStructure are those of variables, knowns and in order",
+        "indices of ModelStructure are those of variables, in order",
         "count from 1",
+    ),
+    "dependencies-unknown": _demand(
+        "warning",
+        "2.2.8",
+        "dependencies are on inputs, states and time; of InitialUnknowns also on what has initial=exact",
+        "leave the others out: they do not change there",
     ),
     "state-dependencies": _demand(
         "note",

@@ -185,7 +185,7 @@ def set_early(fmu: Fmu) -> Iterator[Finding]:
             yield Finding("set-lost", f"{v.name} was set to {shown(given[v])} {mode}, it is {shown(got[v])}")
         ends.append(run(fmu, slave, 0, 2))
         slave.free()
-    apart = difference(*ends)
+    apart = difference(ends[0], ends[1])
     if apart:
         yield Finding("set-lost", f"start values set in initialization mode instead of before it: {apart}")
 
