@@ -44,6 +44,11 @@ class Experiment:
     references: NDArray[Any]
 
     @property
+    def inputs(self) -> list[str]:
+        """Names of the inputs that have stimuli."""
+        return [name for name in self.stimuli.dtype.names or () if name != "time"]
+
+    @property
     def outputs(self) -> list[str]:
         """Names of the outputs that have references."""
         return [name for name in self.references.dtype.names or () if name != "time"]

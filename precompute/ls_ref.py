@@ -9,7 +9,7 @@ import csv
 import io
 import posixpath
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
@@ -31,6 +31,9 @@ NAMESPACE = "http://fmi-standard.org/fmi-ls-manifest"
 EXPERIMENTS_TYPE = "application/x-ma-hs-experiments"
 DOCUMENTATION = "documentation/fmi-ls-ref.txt"
 EXPERIMENTS = "experiments.exp"
+Read = Callable[[str], bytes]
+"""The content of a file of the FMU by its name in it."""
+
 UNSTATED = 1e-3  # the tolerance of experiments that state none
 
 TEXT = """\
@@ -68,17 +71,28 @@ def write_experiments(experiments: Sequence[Experiment]) -> dict[str, bytes]:
 def read_experiments(fmu: Path) -> tuple[Experiment, ...]:
     """The experiments that an FMU carries, ours or another's; () where it has no manifest of FMI-LS-REF.
 
-    Left out: those without references, those of other kinds than a transient simulation or with files that
-    are not CSV, and those that need a parameter file.
+    fmu: the file, or the folder it was unpacked into. Left out: experiments without references, those of
+    other kinds than a transient simulation or with files that are not CSV, those that need a parameter file.
     Raises ModelError where a file is damaged or not there.
     """
     try:
+        if fmu.is_dir():
+            return tuple(_read(_files_of(fmu))) if (fmu / MANIFEST).is_file() else ()
         with zipfile.ZipFile(fmu) as archive:
-            if MANIFEST not in archive.namelist():
-                return ()
-            return tuple(_read(archive))
+            return tuple(_read(archive.read)) if MANIFEST in archive.namelist() else ()
     except (OSError, ValueError, KeyError, zipfile.BadZipFile, ET.ParseError) as error:
         raise ModelError(f"{fmu.name}: its reference results cannot be read ({error})") from error
+
+
+def _files_of(folder: Path) -> Read:
+    """The content of the files of an unpacked FMU."""
+
+    def read(name: str) -> bytes:
+        if not (folder / name).is_file():
+            raise ValueError(f"there is no {name}")
+        return (folder / name).read_bytes()
+
+    return read
 
 
 def _manifest() -> bytes:
@@ -136,16 +150,16 @@ def _table(signals: NDArray[Any]) -> bytes:
     return text.getvalue().encode()
 
 
-def _read(archive: zipfile.ZipFile) -> Iterator[Experiment]:
-    for related in ET.fromstring(archive.read(MANIFEST)).iter("Related"):
+def _read(content: Read) -> Iterator[Experiment]:
+    for related in ET.fromstring(content(MANIFEST)).iter("Related"):
         role = related.get("role", "").split("/")[0]
         place = _inside(MANIFEST, related.get("source", ""))
         if role == "experiment" and place is not None:
-            for element in ET.fromstring(archive.read(place)).iter("Experiment"):
-                yield from _experiment(archive, place, element)
+            for element in ET.fromstring(content(place)).iter("Experiment"):
+                yield from _experiment(content, place, element)
 
 
-def _experiment(archive: zipfile.ZipFile, place: str, element: ET.Element) -> Iterator[Experiment]:
+def _experiment(content: Read, place: str, element: ET.Element) -> Iterator[Experiment]:
     """start, stop and step are attributes, or those of a TransientSimulation in the schema's latest draft."""
     tables = {}
     for child in element:
@@ -153,12 +167,12 @@ def _experiment(archive: zipfile.ZipFile, place: str, element: ET.Element) -> It
             source = _inside(place, child.get("source", ""))
             if source is None:
                 return
-            tables[child.tag] = _read_table(source, archive.read(source))
+            tables[child.tag] = _read_table(source, content(source))
         elif child.tag not in ("TransientSimulation", "Annotations"):
             return
-    if "References" not in tables:
+    references = tables.get("References")
+    if references is None or references.dtype.names == ("time",):
         return
-    references = tables["References"]
     time = references["time"]
     transient = element.find("TransientSimulation")
     given: Mapping[str, str] = {**element.attrib, **({} if transient is None else transient.attrib)}
