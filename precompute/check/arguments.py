@@ -1,14 +1,14 @@
 """What fmi2Instantiate is given: GUID, resource location, callbacks, memory (section 2.1.5)."""
 
 import ctypes
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from shutil import copytree
 from tempfile import TemporaryDirectory
 
 from .check import Check, needs
 from .driver import CO_SIMULATION, Fmu, Refused, Slave
-from .finding import Finding
+from .finding import Demand, Finding
 from .host import Callbacks, Host, overwrite
 from .instances import several
 from .runs import difference, fresh_run, run
@@ -141,6 +141,54 @@ def memory(fmu: Fmu) -> Iterator[Finding]:
         )
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "guid-mismatch-accepted": Demand(
+        "error",
+        "2.1.5",
+        "fmi2Instantiate compares the GUID with its own and gives NULL where it is another",
+        "compile the GUID in, or read it from the resources, and compare",
+    ),
+    "instantiation-silent": Demand(
+        "warning",
+        "2.1.5",
+        "where fmi2Instantiate gives NULL, the logger is told why",
+        "call the logger before",
+    ),
+    "resource-location": Demand(
+        "error",
+        "2.1.5",
+        "fmuResourceLocation is a URI: file:///path and file:/path, with escaped characters",
+        "take the scheme off and undo the %xx",
+    ),
+    "free-null": Demand("error", "2.1.5", "fmi2FreeInstance of NULL does nothing", "return at once"),
+    "null-callbacks": Demand(
+        "error",
+        "2.1.5",
+        "with canNotUseMemoryManagementFunctions allocateMemory and freeMemory may be NULL",
+        "do not call them, or take the flag off",
+    ),
+    "pointer-kept": Demand(
+        "error",
+        "2.1.5",
+        "arguments of fmi2Instantiate, the callbacks' struct too, are valid during the call only",
+        "copy the struct and the texts",
+    ),
+    "memory-misuse": Demand(
+        "error",
+        "2.1.5",
+        "memory of allocateMemory is used within its bounds and freed once",
+        "find it with a sanitizer",
+    ),
+    "memory-leak": Demand(
+        "error", "2.1.5", "fmi2FreeInstance frees all that allocateMemory gave", "free what is named"
+    ),
+    "memory-functions": Demand(
+        "warning",
+        "2.1.5",
+        "with canNotUseMemoryManagementFunctions the host's functions are not called",
+        "take the flag off",
+    ),
+}
 CHECKS = (
     Check("wrong-guid", wrong_guid),
     resource_location("file:/path"),

@@ -1,10 +1,10 @@
 """What everything else needs: the library, an instance, its initialisation, one step."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from .check import Check
 from .driver import Fmu, Refused
-from .finding import Finding
+from .finding import Demand, Finding
 from .runs import run
 
 
@@ -41,4 +41,28 @@ def first_step(fmu: Fmu) -> Iterator[Finding]:
     slave.free()
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "missing-function": Demand(
+        "error",
+        "2.3",
+        "all functions of a co-simulation FMU are there",
+        "export it; what is not supported returns fmi2Error",
+    ),
+    "version": Demand(
+        "error",
+        "2.1.4",
+        "fmi2GetVersion gives 2.0, fmi2GetTypesPlatform default",
+        "return those of the headers",
+    ),
+    "instantiation": Demand(
+        "error", "2.1.5", "with the right arguments fmi2Instantiate gives an instance", "see what it logged"
+    ),
+    "initialisation": Demand(
+        "error",
+        "2.1.6",
+        "fmi2SetupExperiment, Enter- and ExitInitializationMode succeed with the start values",
+        "choose start values with which the model can begin",
+    ),
+    "first-step": Demand("error", "4.2.2", "the first step succeeds", "see what it logged"),
+}
 CHECKS = (Check("functions", functions), Check("first-step", first_step))

@@ -4,12 +4,12 @@ Unseen is: fmi2OK, and no error in the log. Each call is made to an instance of 
 """
 
 import ctypes
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from ctypes import c_double, c_uint
 
 from .check import Check
 from .driver import Fmu, Slave
-from .finding import Finding
+from .finding import Demand, Finding
 from .runs import run
 
 
@@ -117,6 +117,59 @@ def nothing_asked(fmu: Fmu) -> Iterator[Finding]:
     slave.free()
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "step-before-initialisation": Demand(
+        "warning",
+        "4.2.4",
+        "fmi2DoStep is legal after fmi2ExitInitializationMode only",
+        "keep the mode, and return fmi2Error in others",
+    ),
+    "step-after-terminate": Demand(
+        "warning", "4.2.4", "fmi2DoStep is not legal after fmi2Terminate", "return fmi2Error"
+    ),
+    "set-after-terminate": Demand(
+        "warning", "4.2.4", "fmi2SetXXX is not legal after fmi2Terminate", "return fmi2Error"
+    ),
+    "get-before-initialisation": Demand(
+        "warning", "4.2.4", "fmi2GetXXX is legal from fmi2EnterInitializationMode on", "return fmi2Error"
+    ),
+    "wrong-mode": Demand(
+        "warning",
+        "4.2.4",
+        "each call is legal in the modes of the table only",
+        "keep the mode, return fmi2Error",
+    ),
+    "step-zero": Demand(
+        "warning", "4.2.2", "communicationStepSize is greater than 0", "return fmi2Error where it is not"
+    ),
+    "time-going-back": Demand(
+        "warning",
+        "4.2.2",
+        "currentCommunicationPoint is where the last step ended, unless a state was restored",
+        "keep the time, and return fmi2Error where it differs by more than rounding",
+    ),
+    "time-gap": Demand(
+        "warning",
+        "4.2.2",
+        "currentCommunicationPoint is where the last step ended",
+        "keep the time, and return fmi2Error where it differs by more than rounding",
+    ),
+    "past-stop-time": Demand(
+        "error",
+        "2.1.6",
+        "a step past the stop time of fmi2SetupExperiment is fmi2Error",
+        "keep stopTime and compare",
+    ),
+    "unknown-reference-accepted": Demand(
+        "warning",
+        "2.1.7",
+        "value references are those of the model description",
+        "return fmi2Error for others",
+    ),
+    "empty-call-refused": Demand(
+        "note", "2.1.7", "a call for no variables does nothing", "return fmi2OK where nvr is 0"
+    ),
+}
 CHECKS = (
     illegal("step-before-initialisation", "instantiated", "DoStep", "before fmi2EnterInitializationMode"),
     illegal("step-before-initialisation", "initialising", "DoStep", "in initialization mode"),

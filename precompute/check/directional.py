@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from .check import Check, needs
 from .description import Unknown, Value, Variable
 from .driver import Fmu, Refused, Slave
-from .finding import Finding
+from .finding import Demand, Finding
 from .runs import inputs_at, run, size_of
 from .structure import accepted, generic, initialising, knowns
 
@@ -140,6 +140,17 @@ def _central(at: Callable[[float], list[float]], centre: float, delta: float) ->
     return [(b - a) / (2 * delta) for a, b in zip(low, high, strict=True)]
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "directional-derivative": Demand(
+        "error",
+        "2.1.9",
+        "fmi2GetDirectionalDerivative gives the partial derivatives of what fmi2GetReal gives",
+        "derive what is computed; central differences here are right to some 1e-6",
+    ),
+    "directional-seed": Demand(
+        "error", "2.1.9", "the derivative is linear in its seed", "add the columns, each times its seed"
+    ),
+}
 CHECKS = (
     Check("directional-derivative at initialisation", initial, needs("providesDirectionalDerivative")),
     Check(

@@ -16,8 +16,8 @@ class Demand:
     """
 
     severity: Severity
-    demands: str
     clause: str
+    demands: str
     mend: str
 
 

@@ -20,6 +20,22 @@ from . import (
 )
 from .check import Check
 
+MODULES = (
+    model_description,
+    units,
+    begin,
+    instances,
+    arguments,
+    state,
+    calls,
+    values,
+    steps,
+    messages,
+    structure,
+    directional,
+    rates,
+    growth,
+)
 ALONE = "description"  # needs no library
 FIRST = "begin"  # without it nothing else can be asked
 GROUPS: Mapping[str, tuple[Check, ...]] = {

@@ -7,14 +7,14 @@ warm-up, blocks of repetitions: what all of them but one grow by is a leak, not 
 import ctypes
 import gc
 import platform
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
 
 from .check import Check, always, needs
 from .description import Description
 from .driver import Fmu, Slave
-from .finding import Finding
+from .finding import Demand, Finding
 from .runs import inputs_at
 from .state import deserialised, saved, serialised
 
@@ -129,6 +129,14 @@ def reset(fmu: Fmu, slave: Slave, _: int) -> None:
     slave.initialise(fmu.start)
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "memory-growth": Demand(
+        "error",
+        "2.1.5",
+        "what is repeated takes no more memory each time",
+        "free it; valgrind or a sanitizer names it",
+    ),
+}
 CHECKS = (
     growing("over lives", "life of an instance", life, 8),
     growing("over steps", "step", step, 60),

@@ -1,11 +1,11 @@
 """Instances: alike, beside each other, begun anew, ended (sections 2.1.5, 2.1.6)."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from .check import Check
 from .description import Description
 from .driver import Ended, Fmu, Refused
-from .finding import Finding
+from .finding import Demand, Finding
 from .runs import Snapshot, difference, fresh_run, inputs_at, observed, run, tuned
 
 PHASES = (0.0, 2.0)  # of the inputs of two instances
@@ -91,6 +91,32 @@ def several(description: Description) -> str | None:
     return "canBeInstantiatedOnlyOncePerProcess is declared" if once else None
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "not-repeatable": Demand(
+        "warning",
+        "4.1.1",
+        "the same inputs give the same outputs",
+        "initialise all memory; draw random numbers from a seed that is a parameter",
+    ),
+    "second-instance": Demand(
+        "error",
+        "2.1.5",
+        "instances do not know of each other",
+        "keep nothing in static variables, or declare canBeInstantiatedOnlyOncePerProcess",
+    ),
+    "reset": Demand(
+        "error",
+        "2.1.6",
+        "after fmi2Reset an instance is as after fmi2Instantiate",
+        "set every variable and state back",
+    ),
+    "get-after-terminate": Demand(
+        "error",
+        "2.1.6",
+        "the final values can be read after fmi2Terminate",
+        "keep them until fmi2FreeInstance",
+    ),
+}
 CHECKS = (
     Check("not-repeatable", repeatable, several),
     Check("second-instance", beside, several),

@@ -1,12 +1,12 @@
 """What the FMU tells the logger (sections 2.1.5, 2.2.4)."""
 
 import ctypes
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from .check import Check
 from .description import Description
 from .driver import Fmu
-from .finding import Finding
+from .finding import Demand, Finding
 from .host import Host
 from .runs import run
 
@@ -66,6 +66,30 @@ def _no_categories(description: Description) -> str | None:
     return None if description.categories else "no LogCategories are declared"
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "logger-category": Demand(
+        "error",
+        "2.1.5",
+        "messages have a category of LogCategories, NULL where there are none",
+        "declare what is used",
+    ),
+    "logger-instance": Demand(
+        "error", "2.1.5", "messages carry the name of the instance that sends them", "keep a copy of the name"
+    ),
+    "logger-environment": Demand(
+        "error", "2.1.5", "the logger gets componentEnvironment as its first argument", "pass it on"
+    ),
+    "logger-line": Demand("note", "2.1.5", "messages have no trailing line break", "leave it out"),
+    "logger-off": Demand(
+        "warning", "2.1.5", "with loggingOn = fmi2False there is no debug logging", "ask before each message"
+    ),
+    "debug-logging": Demand(
+        "error",
+        "2.1.5",
+        "fmi2SetDebugLogging takes the declared categories",
+        "know them, or do not declare them",
+    ),
+}
 CHECKS = (
     Check("logger-messages", messages),
     Check("logger-off", silence),

@@ -1,11 +1,11 @@
 """The model description by itself: the schema, FMPy's rules, what neither looks at (section 2.2)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from .check import Check
 from .description import DESCRIPTION, Description, Unknown, Variable
 from .driver import Fmu
-from .finding import Finding
+from .finding import Demand, Finding
 
 SEEN_BY_OURS = ('The unit "',)  # what the checks of units say better
 
@@ -122,6 +122,48 @@ def files(fmu: Fmu) -> Iterator[Finding]:
             yield Finding("files-missing", f"sources/{name} is listed in {DESCRIPTION} and not there")
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "model-description": Demand(
+        "error",
+        "2.2",
+        "modelDescription.xml is valid by the schema and the rules of its elements",
+        "as FMPy says",
+    ),
+    "range": Demand("error", "2.2.7", "min ≤ start ≤ max, and nominal is not 0", "choose them so"),
+    "model-structure": Demand(
+        "error",
+        "2.2.8",
+        "indices of ModelStructure are those of variables, in order",
+        "count from 1",
+    ),
+    "dependencies-unknown": Demand(
+        "warning",
+        "2.2.8",
+        "dependencies are on inputs, states and time; of InitialUnknowns also on what has initial=exact",
+        "leave the others out: they do not change there",
+    ),
+    "state-dependencies": Demand(
+        "note",
+        "2.2.8",
+        "without providesDirectionalDerivative a co-simulation FMU does not list dependencies on states",
+        "leave the states out",
+    ),
+    "alias": Demand(
+        "error",
+        "2.1.7",
+        "variables with one value reference are one value",
+        "give each value a reference of its own",
+    ),
+    "capabilities": Demand(
+        "error", "4.3.1", "canSerializeFMUstate needs canGetAndSetFMUstate", "declare both"
+    ),
+    "default-experiment": Demand(
+        "warning", "2.2.5", "stopTime is after startTime, stepSize greater than 0", "choose so"
+    ),
+    "files-missing": Demand(
+        "error", "2.3", "files that are listed are in the FMU", "add them, or do not list them"
+    ),
+}
 CHECKS = (
     Check("model-description", valid),
     Check("range", ranges),

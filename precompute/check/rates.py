@@ -1,12 +1,12 @@
 """Derivatives by time: of inputs, that a step is given, and of outputs, that it gives (section 4.2.1)."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from ctypes import c_double, c_int, c_uint
 
 from .check import Check
 from .description import Description
 from .driver import Fmu, Refused, Slave
-from .finding import Finding
+from .finding import Demand, Finding
 from .runs import SMALL, difference, inputs_at, run, size_of
 
 PARTS = 64  # steps in place of one; a ramp held in the middle of each leaves 1/PARTS² of its effect
@@ -186,6 +186,33 @@ def _derivatives(description: Description) -> str | None:
     return _short_steps(description)
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "input-derivative": Demand(
+        "error",
+        "4.2.1",
+        "with canInterpolateInputs the derivatives of the inputs have their effect on the next step",
+        "let the inputs follow the polynomial from the beginning of the step",
+    ),
+    "input-derivative-kept": Demand(
+        "warning",
+        "4.2.1",
+        "derivatives of inputs are set for the beginning of one step",
+        "forget them when the step is made",
+    ),
+    "derivative": Demand(
+        "error",
+        "2.2.7",
+        "a variable with the attribute derivative is that derivative",
+        "compute it at the same time",
+    ),
+    "derivative-order-zero": Demand("warning", "4.2.1", "orders begin at 1", "return fmi2Error"),
+    "output-derivative": Demand(
+        "error",
+        "4.2.1",
+        "derivatives of outputs, up to maxOutputDerivativeOrder, are those at the end of the step",
+        "derive the outputs, or declare a lower order",
+    ),
+}
 CHECKS = (
     Check("input-derivative", input_derivatives, lambda d: _interpolates(d) or _short_steps(d)),
     Check("derivative-order-zero", order_zero, _interpolates),

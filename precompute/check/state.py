@@ -1,13 +1,13 @@
 """The FMU's state: saved, restored, serialised (section 2.1.8)."""
 
 import ctypes
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from ctypes import c_size_t, c_void_p
 
 from .check import Check, needs
 from .description import Description
 from .driver import Fmu, Slave
-from .finding import Finding
+from .finding import Demand, Finding
 from .host import GUARD, overwrite
 from .runs import SMALL, difference, run, size_of, tuned
 
@@ -161,6 +161,47 @@ def _tunable(description: Description) -> str | None:
     return found or (None if tuned(description) else "no Real parameter is tunable")
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "state-restore": Demand(
+        "error",
+        "2.1.8",
+        "what follows a restored state is what followed it before, to the bit",
+        "save and restore everything that a later call reads",
+    ),
+    "state-inputs": Demand(
+        "error", "2.1.8", "the state holds the values of the inputs", "save the inputs too"
+    ),
+    "state-parameters": Demand(
+        "error",
+        "2.1.8",
+        "the state holds the values of the parameters",
+        "save them, and what was made of them",
+    ),
+    "state-overwrite": Demand(
+        "error",
+        "2.1.8",
+        "fmi2GetFMUstate into a state that is there puts the actual one into it",
+        "copy into it",
+    ),
+    "state-free": Demand(
+        "error",
+        "2.1.8",
+        "fmi2FreeFMUstate ignores a NULL state and gives a null pointer back",
+        "set *FMUstate to NULL",
+    ),
+    "serialise-size": Demand(
+        "error",
+        "2.1.8",
+        "fmi2SerializeFMUstate keeps to the size that it named",
+        "name the size that is written",
+    ),
+    "serialise-roundtrip": Demand(
+        "error",
+        "2.1.8",
+        "a state made from its bytes is the state they were made of",
+        "write values, not pointers, and all of them",
+    ),
+}
 CHECKS = (
     Check("state-restore", restore, needs("canGetAndSetFMUstate")),
     Check("state-inputs", inputs_in_state, needs("canGetAndSetFMUstate")),

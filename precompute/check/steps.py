@@ -1,13 +1,13 @@
 """Steps and time: sizes that vary, where a run begins, points that are rounded (section 4.2.2)."""
 
 import ctypes
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from ctypes import c_double, c_int
 
 from .check import Check, needs
 from .description import Variable
 from .driver import LAST_SUCCESSFUL_TIME, OK, TERMINATED, Ended, Fmu, Refused
-from .finding import Finding
+from .finding import Demand, Finding
 from .runs import inputs_at, observed, run, shown
 
 # parts of 12 steps: each size other than its neighbours, fewer and more of them than 12
@@ -119,6 +119,38 @@ def whole_run(fmu: Fmu) -> Iterator[Finding]:
     slave.free()
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "step-refused": Demand(
+        "error", "4.2.2", "steps with inputs near their start values succeed", "see what it logged"
+    ),
+    "variable-step": Demand(
+        "error",
+        "4.3.1",
+        "with canHandleVariableCommunicationStepSize each step goes to currentCommunicationPoint + size",
+        "use the size that is given, or take the flag off",
+    ),
+    "start-time": Demand(
+        "error", "4.2.2", "the first step begins at startTime of fmi2SetupExperiment", "begin where it says"
+    ),
+    "time-rounding": Demand(
+        "warning",
+        "4.2.2",
+        "a communication point differs from the FMU's own time by rounding",
+        "compare with a tolerance",
+    ),
+    "step-status": Demand(
+        "error",
+        "4.2.3",
+        "fmi2GetXXXStatus tells of the last step, or gives fmi2Discard",
+        "keep its end and its status",
+    ),
+    "time-variable": Demand(
+        "error",
+        "4.2.2",
+        "a step ends exactly at currentCommunicationPoint + communicationStepSize",
+        "set the time so",
+    ),
+}
 CHECKS = (
     Check("run", whole_run),
     Check("variable-step", variable_step, needs("canHandleVariableCommunicationStepSize")),

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from .check import Check
 from .description import Description, Unknown, Value, Variable
 from .driver import Fmu, Refused, Slave
-from .finding import Finding
+from .finding import Demand, Finding
 from .runs import inputs_at, moved, run, same
 
 MANY = 150  # knowns that are moved
@@ -187,6 +187,20 @@ def _no_feedthrough(description: Description) -> str | None:
     return None if description.inputs and description.outputs else "there are not both inputs and outputs"
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "dependencies-missing": Demand(
+        "error",
+        "2.2.8",
+        "an unknown depends on nothing that its dependencies do not list",
+        "list it, or leave the attribute out: then it depends on everything",
+    ),
+    "dependencies-unused": Demand(
+        "note",
+        "2.2.8",
+        "dependencies list what the unknown depends on",
+        "take it off, if it vanishes everywhere",
+    ),
+}
 CHECKS = (
     Check("dependencies at initialisation", initial, _no_initial),
     Check("dependencies at a communication point", at_a_point, _no_feedthrough),

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from .check import Check
 from .description import Description, Unit
 from .driver import Fmu
-from .finding import Finding
+from .finding import Demand, Finding
 
 Exponents = Mapping[str, int]
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd")  # rad is 1: whether it is counted is the FMU's choice
@@ -102,6 +102,21 @@ def _no_units(description: Description) -> str | None:
     return None if description.units else "no units are defined"
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "unit-undefined": Demand("error", "2.2.2", "units of variables are in UnitDefinitions", "define them"),
+    "unit-definition": Demand(
+        "error",
+        "2.2.2",
+        "a BaseUnit has the exponents, factor and offset of its unit",
+        "count the SI base units",
+    ),
+    "unit-derivative": Demand(
+        "warning",
+        "2.2.7",
+        "the unit of a derivative is that of its variable by second",
+        "correct one of them",
+    ),
+}
 CHECKS = (
     Check("unit-undefined", defined),
     Check("unit-definition", right, _no_units),

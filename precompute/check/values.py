@@ -2,13 +2,13 @@
 
 import ctypes
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from ctypes import c_int, c_size_t, c_void_p
 
 from .check import Check
 from .description import Description, Value, Variable
 from .driver import Fmu, Slave, arrays
-from .finding import Finding
+from .finding import Demand, Finding
 from .instances import several
 from .runs import difference, inputs_at, moved, run, shown, tuned
 
@@ -210,6 +210,42 @@ def reading(fmu: Fmu) -> Iterator[Finding]:
         yield Finding("array-overrun", overrun)
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "start-values": Demand(
+        "error",
+        "2.2.7",
+        "variables with initial=exact and inputs begin with their start values",
+        "take the start values of model description and code from one source",
+    ),
+    "set-lost": Demand(
+        "error", "2.1.7", "what is set stays until it is set again", "store it, and give it back when asked"
+    ),
+    "set-constant": Demand("warning", "2.2.7", "constants cannot be set", "return fmi2Error"),
+    "set-output": Demand("warning", "4.2.4", "between steps outputs cannot be set", "return fmi2Error"),
+    "set-fixed": Demand(
+        "warning",
+        "4.2.4",
+        "fixed parameters cannot be set after initialisation",
+        "return fmi2Error, or declare it tunable",
+    ),
+    "not-finite": Demand(
+        "error", "2.1.3", "a step of fmi2OK gives numbers", "return fmi2Discard or fmi2Error with the reason"
+    ),
+    "out-of-range": Demand(
+        "warning", "2.2.7", "values keep to their min and max", "widen the range that is declared"
+    ),
+    "nan-accepted": Demand(
+        "note",
+        "4.2.2",
+        "a step that cannot be made with its inputs or parameters is fmi2Error or fmi2Discard",
+        "refuse values that are no numbers",
+    ),
+    "reading-changes": Demand(
+        "error", "2.1.7", "fmi2GetXXX changes nothing", "compute what is read, and leave the state alone"
+    ),
+    "array-overrun": Demand("error", "2.1.7", "fmi2GetXXX writes nvr values", "count them"),
+    "string-kept": Demand("error", "2.1.7", "fmi2SetString copies the texts", "copy them"),
+}
 CHECKS = (
     Check("start-values", start_values),
     Check("set-early", set_early),
