@@ -7,7 +7,7 @@ step that cannot be made is discarded (fmi2Discard).
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +16,17 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from .host import release_interpreter
-from .instance import Instance
+from .instance import SAME_POINT, Instance
 from .resources import read_model
+
+MODES = {
+    "instantiated": "called before fmi2EnterInitializationMode",
+    "initialising": "called before fmi2ExitInitializationMode",
+    "stepping": "called after fmi2ExitInitializationMode",
+    "terminated": "called after fmi2Terminate",
+}
+READABLE = ("initialising", "stepping", "terminated")
+SETTABLE = ("instantiated", "initialising", "stepping")
 
 
 class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
@@ -29,6 +38,7 @@ class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
         self.modelName = model.name
         release_interpreter(Path(self.resources), model.name)
         self._instance = Instance(model)
+        self._mode, self._stop = "instantiated", math.inf
         self._asked: list[int] = []
         self._places = np.zeros(0, dtype=np.intp)
 
@@ -36,22 +46,47 @@ class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
         self.log(f"{reason}; nothing was changed", Fmi2Status.error)
 
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
-        """Begin at start_time; a stop time and a tolerance mean nothing to an exact step."""
-        if not self._instance.initialising:
-            self._refuse("fmi2SetupExperiment: called after fmi2ExitInitializationMode")
-        elif not math.isfinite(start_time):
-            self._refuse(f"fmi2SetupExperiment: startTime is {start_time}, expected a finite number")
+        """Begin at start_time, never step past stop_time; a tolerance means nothing to an exact step."""
+        if not self._legal("fmi2SetupExperiment", "instantiated"):
+            return
+        stop = math.inf if stop_time is None else stop_time
+        if not (math.isfinite(start_time) and stop >= start_time):
+            self._refuse(
+                f"fmi2SetupExperiment: startTime is {start_time}, stopTime {stop}, "
+                "expected a finite number and none before it"
+            )
         else:
-            self._instance.time = start_time
+            self._instance.time, self._stop = start_time, stop
+
+    def enter_initialization_mode(self) -> None:
+        """From here on variables have values."""
+        if self._legal("fmi2EnterInitializationMode", "instantiated"):
+            self._mode = "initialising"
 
     def exit_initialization_mode(self) -> None:
         """The initial state is fixed from here on."""
-        self._instance.initialising = False
+        if self._legal("fmi2ExitInitializationMode", "initialising"):
+            self._mode, self._instance.initialising = "stepping", False
+
+    def terminate(self) -> None:
+        """The last values can still be read."""
+        if self._legal("fmi2Terminate", "stepping"):
+            self._mode = "terminated"
+
+    def _legal(self, call: str, *modes: str) -> bool:
+        """Whether a call may be made now; where it may not, that is logged."""
+        if self._mode not in modes:
+            self._refuse(f"{call}: {MODES[self._mode]}")
+        return self._mode in modes
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """One exact step, or none: then the reason is in the log and nothing has changed."""
-        if self._instance.initialising:
-            reason: str | None = "called before fmi2ExitInitializationMode"
+        end = current_time + step_size
+        reason: str | None
+        if self._mode != "stepping":
+            reason = MODES[self._mode]
+        elif end > self._stop + SAME_POINT * max(1.0, abs(self._stop)):
+            reason = f"the step ends at {end}, expected no later than stopTime = {self._stop}"
         else:
             reason = self._instance.advance(current_time, step_size)
         if reason is not None:
@@ -60,6 +95,7 @@ class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
 
     def get_real(self, vrs: list[int]) -> list[float]:
         """Values of Reals by one gather; NaN for an unknown reference."""
+        self._legal("fmi2GetReal", *READABLE)
         reals = self._instance.reals()
         if vrs != self._asked:  # a master asks for the same variables at every step
             if unknown := _unknown(vrs, len(reals)):
@@ -72,6 +108,8 @@ class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Inputs at any time, damping too, the modal state before initialisation ends."""
         instance, place = self._instance, self._instance.layout
+        if not self._legal("fmi2SetReal", *SETTABLE):
+            return
         if vrs and min(vrs) >= 0 and max(vrs) < place.inputs.stop:
             instance.set_inputs(vrs, values)
             return
@@ -115,12 +153,15 @@ class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
 
     def get_integer(self, vrs: list[int]) -> list[int]:
         """modes.active, the one Integer."""
+        self._legal("fmi2GetInteger", *READABLE)
         if unknown := _unknown(vrs, 1):
             self._refuse(f"fmi2GetInteger: {unknown} (modes.active)")
         return [self._instance.active] * len(vrs)
 
     def set_integer(self, vrs: list[int], values: list[int]) -> None:
         """modes.active, the one Integer."""
+        if not self._legal("fmi2SetInteger", *SETTABLE):
+            return
         r = self._instance.model.r
         if unknown := _unknown(vrs, 1):
             self._refuse(f"fmi2SetInteger: {unknown} (modes.active)")
@@ -148,13 +189,17 @@ class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
         self._refuse("fmi2SetString: this FMU has no String variable")
 
     def _get_fmu_state(self) -> dict[str, Any]:
-        return self._instance.save()
+        return {**self._instance.save(), "mode": self._mode, "stop": self._stop}
 
     def _set_fmu_state(self, state: dict[str, Any] | None) -> None:
+        state = state or {}
         try:
-            self._instance.restore(state or {})
+            mode, stop = _saved_mode(state)
+            self._instance.restore(state)
         except (KeyError, TypeError, ValueError, ArithmeticError) as error:
             self._refuse(f"fmi2SetFMUstate: not a state of this FMU ({error})")
+        else:
+            self._mode, self._stop = mode, stop
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> dict[str, Any] | None:
@@ -163,6 +208,14 @@ class ModalSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu carries no types
         except (ValueError, RecursionError):
             return None  # refused, with its reason, when it is set
         return saved if isinstance(saved, dict) else None
+
+
+def _saved_mode(state: Mapping[str, Any]) -> tuple[str, float]:
+    """The mode and the stop time of a saved state; raises what `Instance.restore` raises."""
+    mode, stop = state["mode"], float(state["stop"])
+    if mode not in MODES or math.isnan(stop) or (mode in SETTABLE[:2]) != state["initialising"]:
+        raise ValueError("it is of no mode")
+    return mode, stop
 
 
 def _unknown(vrs: Sequence[int], size: int) -> str | None:
