@@ -12,6 +12,7 @@ from . import (
     messages,
     model_description,
     rates,
+    references,
     state,
     steps,
     structure,
@@ -35,6 +36,7 @@ MODULES = (
     directional,
     rates,
     growth,
+    references,
 )
 ALONE = "description"  # needs no library
 FIRST = "begin"  # without it nothing else can be asked
@@ -51,4 +53,5 @@ GROUPS: Mapping[str, tuple[Check, ...]] = {
     "structure": (*structure.CHECKS, *directional.CHECKS),
     "rates": rates.CHECKS,
     "growth": growth.CHECKS,
+    "references": references.CHECKS,
 }

@@ -1,13 +1,13 @@
 """The reference results that an FMU carries (FMI-LS-REF): it must give them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from ..errors import ModelError
 from .check import Check
 from .description import Value, Variable
 from .driver import Fmu
-from .finding import Finding
+from .finding import Demand, Finding
 
 if TYPE_CHECKING:
     from ..experiments import Experiment
@@ -69,4 +69,12 @@ def _row(e: "Experiment", inputs: list[Variable], k: int) -> dict[Variable, Valu
     return {v: types.get(v.type, float)(e.stimuli[v.name][k]) for v in inputs}
 
 
+DEMANDS: Mapping[str, Demand] = {
+    "reference-results": Demand(
+        "error",
+        "FMI-LS-REF",
+        "the FMU gives the reference results that it carries",
+        "find what differs, or compute them again",
+    ),
+}
 CHECKS = (Check("reference-results", reference_results),)
