@@ -41,6 +41,12 @@ def first_step(fmu: Fmu) -> Iterator[Finding]:
     slave.free()
 
 
+def unload(fmu: Fmu) -> Iterator[Finding]:
+    """The library is taken out of the process, when no instance is left."""
+    fmu.unload()
+    yield from ()
+
+
 DEMANDS: Mapping[str, Demand] = {
     "missing-function": Demand(
         "error",
@@ -63,6 +69,16 @@ DEMANDS: Mapping[str, Demand] = {
         "fmi2SetupExperiment, Enter- and ExitInitializationMode succeed with the start values",
         "choose start values with which the model can begin",
     ),
+    "unload": Demand(
+        "error",
+        "2.3",
+        "with no instance left the library can be unloaded",
+        "leave no threads, hooks or handlers behind",
+    ),
     "first-step": Demand("error", "4.2.2", "the first step succeeds", "see what it logged"),
 }
-CHECKS = (Check("functions", functions), Check("first-step", first_step))
+CHECKS = (
+    Check("functions", functions),
+    Check("first-step", first_step),
+    Check("unload", unload, crash="unload"),
+)

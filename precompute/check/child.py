@@ -17,6 +17,7 @@ from .groups import GROUPS
 from .journal import Journal
 
 FAULT = "a fault of the check itself"
+END = "end"  # told when all checks are made
 
 
 def main(folder: str, work: str, group: str, steps: str, *done: str) -> None:
@@ -49,7 +50,7 @@ def main(folder: str, work: str, group: str, steps: str, *done: str) -> None:
                 tell({"skipped": check.name, "why": "the FMU ends the simulation before"})
             except Exception as error:  # noqa: BLE001  one check that is at fault must not silence the others
                 tell({"skipped": check.name, "why": f"{FAULT}: {error!r}"})
-        tell({"check": "unload"})
+        tell({"check": END})
 
 
 if __name__ == "__main__":

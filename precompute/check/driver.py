@@ -1,5 +1,6 @@
 """An FMU's library by ctypes: every call gives its status as a number and is noted before it is made."""
 
+import _ctypes
 import ctypes
 import platform
 import sys
@@ -264,6 +265,17 @@ class Fmu:
     def library(self) -> Library:
         """Loaded when it is first needed. Raises OSError where it cannot be."""
         return Library(binary(self.folder, self.description), self._note)
+
+    def unload(self) -> None:
+        """Take the library out of the process; it is loaded again where it is needed again."""
+        handle = self.library.handle._handle
+        self._note("unloading the library")
+        if sys.platform == "win32":
+            _ctypes.FreeLibrary(handle)
+        else:
+            _ctypes.dlclose(handle)
+        self._note("")
+        del self.__dict__["library"]
 
     def resources(self) -> str:
         """The URI of the folder of the resources."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from .child import END
 from .finding import Finding, Skipped
 from .groups import GROUPS
 from .journal import last_note
@@ -40,8 +41,9 @@ def run_group(folder: Path, group: str, steps: int, patience: float) -> Result:
         while True:
             end = _run(work, [str(folder), str(work), group, str(steps), *made], patience)
             current = _read(work / "results", findings, made, skipped)
-            if end is None:
+            if end is None and current == END:
                 break
+            end = end or "ended the process by itself"
             what = last_note(work / "journal")
             place_of_it = f" in {what}" if what else ""
             if current in names:
@@ -102,7 +104,7 @@ def _read(results: Path, findings: list[Finding], made: list[str], skipped: list
             continue  # it was being written
         if "check" in line:
             current = line["check"]
-            made.append(current)
+            made += [current] * (current != END)
         elif "finding" in line:
             findings.append(Finding(line["finding"], line["got"]))
         else:

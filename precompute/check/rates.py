@@ -9,35 +9,36 @@ from .driver import Fmu, Refused, Slave
 from .finding import Demand, Finding
 from .runs import SMALL, difference, inputs_at, run, size_of
 
-PARTS = 64  # steps in place of one; a ramp held in the middle of each leaves 1/PARTS² of its effect
-AGREE = 0.05  # of the effect; a jump at the end, where the outputs hold the inputs at once, is 1/(2 PARTS)
+PARTS = 64  # steps in place of one; if each held its input, 1/128 of the ramp's effect would be lost
+AGREE = 0.05  # of the effect
 SHORT = 1 / 64  # of a step: over which outputs are differenced
 
 
 def input_derivatives(fmu: Fmu) -> Iterator[Finding]:
-    """One step under a ramp is what many short steps with held inputs come to."""
+    """One step under a ramp is what many short steps come to that are each given their part of it."""
     ramps = {v: SMALL * size_of(v) / fmu.h for v in fmu.description.real_inputs}
     outputs = fmu.description.real_outputs
     ends = []
-    for way in ("held", "ramp", "stairs"):
+    for way in ("held", "ramp", "parts"):
         slave = fmu.slave().initialise(fmu.start)
         run(fmu, slave, 0, 3)
         base = {v: float(x) for v, x in inputs_at(fmu, 2).items() if v in ramps}
         slave.set(base)
         if way == "ramp":
             slave.set_rates(ramps)
-        parts = PARTS if way == "stairs" else 1
+        parts = PARTS if way == "parts" else 1
         h = fmu.h / parts
         for k in range(parts):
-            if way == "stairs":
-                slave.set({v: base[v] + ramps[v] * (k + 0.5) * h for v in ramps})
+            if way == "parts":
+                slave.set({v: base[v] + ramps[v] * k * h for v in ramps})
+                slave.set_rates(ramps)
             slave.step(fmu.point(3) + k * h, h)
         ends.append({v: float(x) for v, x in slave.get(outputs).items()})
         slave.free()
-    held, ramp, stairs = ends
+    held, ramp, parts_of_it = ends
     for v in outputs:
-        effect = stairs[v] - held[v]
-        if abs(ramp[v] - stairs[v]) > AGREE * abs(effect) + 1e-9 * abs(held[v]):
+        effect = parts_of_it[v] - held[v]
+        if abs(ramp[v] - parts_of_it[v]) > AGREE * abs(effect) + 1e-9 * abs(held[v]):
             yield Finding(
                 "input-derivative",
                 f"a ramp of the inputs moves {v.name} by {ramp[v] - held[v]:.6g} in one step, "

@@ -152,7 +152,8 @@ def roundtrip(fmu: Fmu) -> Iterator[Finding]:
     slave.free()
 
 
-def _serialises(description: Description) -> str | None:
+def serialises(description: Description) -> str | None:
+    """The check needs both capabilities."""
     return needs("canGetAndSetFMUstate")(description) or needs("canSerializeFMUstate")(description)
 
 
@@ -208,5 +209,5 @@ CHECKS = (
     Check("state-parameters", parameters_in_state, _tunable),
     Check("state-lives", lives, needs("canGetAndSetFMUstate")),
     Check("state-after-terminate", after_terminate, needs("canGetAndSetFMUstate")),
-    Check("serialise", roundtrip, _serialises),
+    Check("serialise", roundtrip, serialises),
 )

@@ -14,6 +14,7 @@ BASE = ("kg", "m", "s", "A", "K", "mol", "cd")  # rad is 1: whether it is counte
 NAMED: Mapping[str, Exponents] = {
     **{base: {base: 1} for base in BASE},
     "rad": {},
+    "Hz": {"s": -1},
     "N": {"kg": 1, "m": 1, "s": -2},
     "Pa": {"kg": 1, "m": -1, "s": -2},
     "J": {"kg": 1, "m": 2, "s": -2},
@@ -69,7 +70,7 @@ def right(fmu: Fmu) -> Iterator[Finding]:
             continue
         if base != expected:
             yield Finding("unit-definition", f"{unit.name} is {_shown(base)}, expected {_shown(expected)}")
-        elif unit.factor != 1.0 or unit.offset != 0.0:
+        elif (unit.factor != 1.0 and "Hz" not in unit.name) or unit.offset != 0.0:  # 1 Hz may be 2π rad/s
             yield Finding(
                 "unit-definition",
                 f"{unit.name} has factor={unit.factor:g}, offset={unit.offset:g}, expected 1 and 0",
