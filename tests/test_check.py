@@ -109,9 +109,9 @@ def test_a_plain_slave_of_pythonfmu_is_told_its_faults(tmp_path: Path) -> None:
     )
     command = [sys.executable, "-m", "pythonfmu", "build", "-f", str(script), "-d", str(tmp_path)]
     subprocess.run([*command, "--handle-state"], check=True, capture_output=True, timeout=120)
-    found = names(check_fmu(tmp_path / "Counter.fmu"))
+    found = names(check_fmu(tmp_path / "Counter.fmu", groups=("state", "calls")))
     assert {"model-description", "state-restore", "time-going-back", "step-zero", "past-stop-time"} <= found
-    assert "second-instance" not in found
+    assert "legal-call-refused" not in found
 
 
 # --- what is no such FMU
@@ -300,6 +300,18 @@ def test_after_a_crash_the_checks_go_on(good: Path, tmp_path: Path) -> None:
         check.name for check in GROUPS["arguments"]
     }
     assert sum("SIGSEGV" in finding.got for finding in result.findings) == 3
+
+
+def test_one_instance_for_each_process_where_there_can_be_no_more(good: Path, tmp_path: Path) -> None:
+    old = "<CoSimulation "
+    once = changed(good, tmp_path / "once.fmu", old, f'{old}canBeInstantiatedOnlyOncePerProcess="true" ')
+    unpack(once, tmp_path / "fmu")
+    result = run_group(tmp_path / "fmu", "state", 4, 60.0)
+    assert result.findings == ()
+    assert {"state-restore", "state-inputs", "serialise-elsewhere"} <= {*result.made}
+    assert {skip.check: skip.why for skip in result.skipped} == {
+        "serialise": "canBeInstantiatedOnlyOncePerProcess is declared"
+    }
 
 
 # --- its parts

@@ -11,13 +11,13 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from .description import read_description
-from .driver import Ended, Fmu, Refused
+from .driver import Ended, Fmu, OnlyOnce, Refused
 from .finding import Finding
 from .groups import GROUPS
 from .journal import Journal
 
 FAULT = "a fault of the check itself"
-END = "end"  # told when all checks are made
+END, AGAIN = "end", "again"  # told when all checks are made, and where the rest needs a new process
 
 
 def main(folder: str, work: str, group: str, steps: str, *done: str) -> None:
@@ -33,6 +33,9 @@ def main(folder: str, work: str, group: str, steps: str, *done: str) -> None:
         for check in GROUPS[group]:
             if check.name in done:
                 continue
+            if fmu.spent:
+                tell({"check": AGAIN})
+                return
             tell({"check": check.name})
             why = check.hindrance(description)
             if why is not None:
@@ -46,6 +49,8 @@ def main(folder: str, work: str, group: str, steps: str, *done: str) -> None:
                 tell({"finding": finding.name, "got": finding.got})
             except OSError as error:  # of the loader; on Windows also an access violation in a call
                 tell({"finding": "library-loads", "got": str(error)})
+            except OnlyOnce:
+                tell({"skipped": check.name, "why": "canBeInstantiatedOnlyOncePerProcess is declared"})
             except Ended:
                 tell({"skipped": check.name, "why": "the FMU ends the simulation before"})
             except Exception as error:  # noqa: BLE001  one check that is at fault must not silence the others

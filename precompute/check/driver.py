@@ -55,6 +55,10 @@ class Refused(Exception):
         super().__init__(f"fmi2{call} gave {status}" + (f": {said}" if said else ", and said nothing"))
 
 
+class OnlyOnce(Exception):
+    """The FMU says that a process can have one instance of it, and it has had that."""
+
+
 class Ended(Exception):
     """The FMU wants the simulation to end; it may."""
 
@@ -254,12 +258,18 @@ class Fmu:
         self, folder: Path, description: Description, steps: int, note: Callable[[str], None]
     ) -> None:
         self.folder, self.description, self._note = folder, description, note
+        self.instantiated = False
         self.start = description.start or 0.0
         length = None if description.stop is None else description.stop - self.start
         usual = length / 1000 if length is not None and length > 0 else 1e-2
         self.h = description.step if description.step is not None and description.step > 0 else usual
         self.most = 1 << 30 if length is None or length <= 0 else max(2, int(length / self.h * (1 + 1e-9)))
         self.steps = min(steps, self.most)
+
+    @property
+    def spent(self) -> bool:
+        """No more instances can be had in this process."""
+        return self.instantiated and self.description.can("canBeInstantiatedOnlyOncePerProcess")
 
     @cached_property
     def library(self) -> Library:
@@ -292,6 +302,9 @@ class Fmu:
         callbacks: Callbacks | None = None,
     ) -> Slave | None:
         """None where the FMU refuses. guid, resources: None for the right ones."""
+        if self.spent:
+            raise OnlyOnce
+        self.instantiated = True
         host = host or Host()
         callbacks = callbacks or host.callbacks()
         component = self.library.call(

@@ -9,13 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from .child import END
+from .child import AGAIN, END
 from .finding import Finding, Skipped
 from .groups import GROUPS
 from .journal import last_note
 
 # freed and new memory is filled with a pattern by glibc, so that using either shows
 ENVIRONMENT = {"MALLOC_PERTURB_": "165", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+HANGS = 2  # in a group, then it is left
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ def run_group(folder: Path, group: str, steps: int, patience: float) -> Result:
     findings: list[Finding] = []
     made: list[str] = []
     skipped: list[Skipped] = []
+    hangs = 0
     names = [check.name for check in GROUPS[group]]
     with TemporaryDirectory(prefix="check", ignore_cleanup_errors=True) as place:
         work = Path(place)
@@ -43,18 +45,24 @@ def run_group(folder: Path, group: str, steps: int, patience: float) -> Result:
             current = _read(work / "results", findings, made, skipped)
             if end is None and current == END:
                 break
+            if end is None and current == AGAIN:
+                continue
             end = end or "ended the process by itself"
             what = last_note(work / "journal")
             place_of_it = f" in {what}" if what else ""
             if current in names:
                 crash = GROUPS[group][names.index(current)].crash
-                name = "hang" if end.startswith("no answer") and crash == "crash" else crash
+                hung = end.startswith("no answer")
+                hangs += hung
+                name = "hang" if hung and crash == "crash" else crash
                 findings.append(Finding(name, f"{end}{place_of_it}, in the check {current}"))
             else:
                 findings.append(Finding("crash", f"{end}{place_of_it}"))
                 break
+            if hangs >= HANGS:
+                break
     not_made = [name for name in names if name not in made]
-    skipped += [Skipped(name, "the FMU's library cannot be used") for name in not_made]
+    skipped += [Skipped(name, "the FMU crashes or hangs too often") for name in not_made]
     left_out = {skip.check for skip in skipped}
     return Result(
         tuple(dict.fromkeys(findings)), tuple(name for name in made if name not in left_out), tuple(skipped)
@@ -104,7 +112,7 @@ def _read(results: Path, findings: list[Finding], made: list[str], skipped: list
             continue  # it was being written
         if "check" in line:
             current = line["check"]
-            made += [current] * (current != END)
+            made += [current] * (current not in (END, AGAIN))
         elif "finding" in line:
             findings.append(Finding(line["finding"], line["got"]))
         else:
