@@ -1,6 +1,6 @@
 """Faults of the library in single calls and messages: one change of the native twin's sources each."""
 
-from planted import Edit, Fault, code
+from planted import DESCRIPTION, Edit, Fault, code
 
 CALLS = (
     code(
@@ -168,5 +168,70 @@ CALLS = (
         "LOG_ALL;",
         "logger-off",
         "messages",
+    ),
+    code(
+        "an input can be set after fmi2Terminate",
+        "component.h",
+        "CALL(SetReal, BOTH, INSTANTIATED | INITIALIZATION_MODE | STEP_MODE",
+        "CALL(SetReal, BOTH, TERMINATED | INSTANTIATED | INITIALIZATION_MODE | STEP_MODE",
+        "set-after-terminate",
+        "calls",
+    ),
+    code(
+        "a constant can be set",
+        "fmi2_variables.c",
+        '    default:\n        return refuse(reason, "value',
+        '    default:\n        if (group == FREQUENCY) return true;\n        return refuse(reason, "value',
+        "set-constant",
+        "values",
+    ),
+    code(
+        "what a parameter is set to is forgotten",
+        "fmi2_variables.c",
+        "            beta = value[k];\n",
+        "            beta = x->beta;\n",
+        "set-lost",
+        "values",
+    ),
+    code(
+        "messages have no environment",
+        "component.c",
+        "c->callbacks.logger(c->callbacks.componentEnvironment,",
+        "c->callbacks.logger(NULL,",
+        "logger-environment",
+        "messages",
+    ),
+    code(
+        "messages end with a line break",
+        "component.c",
+        "    format[length] = 0;\n",
+        "    format[length++] = '\\n';\n    format[length] = 0;\n",
+        "logger-line",
+        "messages",
+    ),
+    Fault(
+        "a text is kept by its address",
+        (
+            Edit("fmi2_variables.c", "/* There are no Booleans", 'static fmi2String kept = "";\n\n/*'),
+            Edit(
+                "fmi2_variables.c",
+                "    return no_variables(component, CALL_SetString, nvr);\n",
+                "    kept = nvr ? value[0] : kept;\n    return fmi2OK;\n",
+            ),
+            Edit(
+                "fmi2_variables.c",
+                "    return no_variables(component, CALL_GetString, nvr);\n",
+                "    if (nvr) value[0] = kept;\n    return fmi2OK;\n",
+            ),
+            Edit(
+                DESCRIPTION,
+                "  </ModelVariables>",
+                '    <ScalarVariable name="label" valueReference="0" causality="parameter" '
+                'variability="tunable" initial="exact">\n      <String start="" />\n    </ScalarVariable>\n'
+                "  </ModelVariables>",
+            ),
+        ),
+        "string-kept",
+        "values",
     ),
 )

@@ -162,6 +162,43 @@ VARIABLES = (
         "logger-category",
         "messages",
     ),
+    told(
+        "an output is out of its range",
+        '<Real unit="m/s" />',
+        '<Real unit="m/s" max="-1.0" />',
+        "out-of-range",
+        "values",
+    ),
+    told(
+        "a parameter that can be changed is declared fixed",
+        'causality="parameter" variability="tunable" initial="exact">\n      <Real unit="s"',
+        'causality="parameter" variability="fixed" initial="exact">\n      <Real unit="s"',
+        "set-fixed",
+        "values",
+    ),
+    told(
+        "the time is another variable",
+        "  </ModelVariables>",
+        '    <ScalarVariable name="time" valueReference="8" causality="independent" '
+        'variability="continuous">\n      <Real />\n    </ScalarVariable>\n  </ModelVariables>',
+        "time-variable",
+        "steps",
+    ),
+    Fault(
+        "a derivative has the unit of its state",
+        (
+            Edit(
+                DESCRIPTION,
+                'valueReference="22" description="modal amplitude, mass-normalised" causality="local" '
+                'variability="continuous" initial="exact">\n      <Real ',
+                'valueReference="22" description="modal amplitude, mass-normalised" causality="local" '
+                'variability="continuous" initial="exact">\n      <Real unit="m" ',
+            ),
+            Edit(DESCRIPTION, '<Real derivative="23" />', '<Real unit="m" derivative="23" />'),
+        ),
+        "unit-derivative",
+        "description",
+    ),
 )
 STRUCTURE = (
     told(
@@ -234,6 +271,13 @@ STRUCTURE = (
         "model-structure",
         "description",
     ),
+    told(
+        "an output depends on another output",
+        '<Unknown index="4" dependencies="23 24 25 26 27 28" />',
+        '<Unknown index="4" dependencies="5 23 24 25 26 27 28" />',
+        "dependencies-unknown",
+        "description",
+    ),
 )
 CAPABILITIES = (
     told(
@@ -257,5 +301,14 @@ CAPABILITIES = (
         'maxOutputDerivativeOrder="2" canNotUseMemoryManagementFunctions="true"',
         "memory-functions",
         "arguments",
+    ),
+    told(
+        "dependencies on states are listed without directional derivatives",
+        'canSerializeFMUstate="true" providesDirectionalDerivative="true">\n    <SourceFiles>\n      '
+        '<File name="modalfmu.c" />\n    </SourceFiles>\n  </CoSimulation>',
+        'canSerializeFMUstate="true">\n    <SourceFiles>\n      '
+        '<File name="modalfmu.c" />\n    </SourceFiles>\n  </CoSimulation>',
+        "state-dependencies",
+        "description",
     ),
 )

@@ -1,6 +1,6 @@
 """Faults of the library in lives, instances and memory: one change of the native twin's sources each."""
 
-from planted import Edit, Fault, code
+from planted import DESCRIPTION, Edit, Fault, code
 
 LIFE = (
     code(
@@ -211,6 +211,35 @@ LIFE = (
         "    extern void nowhere(void); if (alpha < 0.0) nowhere();\n"
         "    x->kept_count = 0;\n    x->motions_known = 2;\n}\n\nvoid switch_off",
         "library-loads",
+        "begin",
+    ),
+    Fault(
+        "memory functions that are NULL are not taken, though none is needed",
+        (
+            Edit("fmi2_life.c", "    if (!memory->allocate && !memory->release) {\n", "    if (false) {\n"),
+            Edit(
+                DESCRIPTION,
+                'maxOutputDerivativeOrder="2" canNotUseMemoryManagementFunctions="false"',
+                'maxOutputDerivativeOrder="2" canNotUseMemoryManagementFunctions="true"',
+            ),
+        ),
+        "null-callbacks",
+        "arguments",
+    ),
+    code(
+        "unloading the library crashes",
+        "common.c",
+        '#include "common.h"\n',
+        '#include "common.h"\n__attribute__((destructor)) static void leave(void) { __builtin_trap(); }\n',
+        "unload",
+        "begin",
+    ),
+    code(
+        "the initialisation cannot end",
+        "instance.c",
+        "    x->initialising = false;\n    return true;\n",
+        '    return refuse(reason, "no");\n',
+        "initialisation",
         "begin",
     ),
 )

@@ -76,6 +76,38 @@ STEPS = (
         "not-repeatable",
         "instances",
     ),
+    code(
+        "a step can start before the end of the last one",
+        "advance.c",
+        "    if (!(distance <= same && distance <= 0.5 * h))",
+        "    if (time > x->time && !(distance <= same && distance <= 0.5 * h))",
+        "time-going-back",
+        "calls",
+    ),
+    code(
+        "a step must start where the last one ended, to the bit",
+        "advance.c",
+        "same = SAME_POINT * larger(1.0, fabs(x->time));",
+        "same = 0.0;",
+        "time-rounding",
+        "steps",
+    ),
+    code(
+        "time starts at 0 always",
+        "fmi2_life.c",
+        "    c->instance->time = startTime;\n",
+        "",
+        "start-time",
+        "steps",
+    ),
+    code(
+        "after some time no step is made",
+        "advance.c",
+        "    if (!(isfinite(h) && h > 0.0))",
+        "    if (!(isfinite(h) && h > 0.0) || time > 0.02)",
+        "step-refused",
+        "steps",
+    ),
 )
 DERIVATIVES = (
     code(
@@ -150,6 +182,22 @@ DERIVATIVES = (
         "input-derivative",
         "rates",
     ),
+    code(
+        "an output has a derivative of order 0",
+        "fmi2_derivatives.c",
+        "    return (order >= 1 && order <= RATES) ||",
+        "    return (order >= 0 && order <= RATES) ||",
+        "derivative-order-zero",
+        "rates",
+    ),
+    code(
+        "a directional derivative knows no size of the direction",
+        "directional.c",
+        "        x->seed_u[place] += dv;\n",
+        "        x->seed_u[place] += 1.0;\n",
+        "directional-seed",
+        "structure",
+    ),
 )
 VALUES = (
     code(
@@ -209,5 +257,13 @@ VALUES = (
         "    case AMPLITUDE_RATE:\n        return motion(x, 1)[1][place ? place - 1 : place];",
         "derivative",
         "rates",
+    ),
+    code(
+        "the damping ratio of a rigid mode is infinite",
+        "reals.c",
+        "        return damping_ratio(x->model->lam[place], x->d[place]);",
+        "        return x->d[place] / sqrt(4.0 * x->model->lam[place]);",
+        "not-finite",
+        "values",
     ),
 )

@@ -1,6 +1,6 @@
 """Faults of the library in states: one change of the native twin's sources each."""
 
-from planted import code
+from planted import Edit, Fault, code
 
 STATE = (
     code(
@@ -106,6 +106,25 @@ STATE = (
         "CALL(SerializeFMUstate, BOTH, ANY_MODE)",
         "CALL(SerializeFMUstate, BOTH, 0)",
         "legal-call-refused",
+        "state",
+    ),
+    Fault(
+        "a serialised state is good in its own process only",
+        (
+            Edit(
+                "fmi2_state.c",
+                "    memcpy(bytes, &head, sizeof head);\n",
+                "    extern int getpid(void);\n"
+                "    if (!c->stop_defined) head.stop = getpid();\n    memcpy(bytes, &head, sizeof head);\n",
+            ),
+            Edit(
+                "fmi2_state.c",
+                "    if (!consistent(&head))\n",
+                "    extern int getpid(void);\n"
+                "    if (!consistent(&head) || (!head.stop_defined && head.stop != getpid()))\n",
+            ),
+        ),
+        "serialise-elsewhere",
         "state",
     ),
 )
