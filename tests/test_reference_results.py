@@ -15,6 +15,8 @@ from small_part import write_part
 from fmu_src.native_fmu import build_native_fmu
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.runtime.model import Floats, Port, ReducedModel
+from precompute.check.process import run_group
+from precompute.check.unpack import unpack
 from precompute.errors import ModelError
 from precompute.experiments import (
     CELLS,
@@ -126,6 +128,10 @@ def test_both_runtimes_carry_the_same_ones_after_build(tmp_path: Path) -> None:
     python = package(part, tmp_path / "python.fmu", build=build_python_fmu)
     assert files_of(native) == files_of(python)
     assert max(repeated(native).values()) <= 1.0
+    unpack(python, tmp_path / "python")  # which runs in a process of its own
+    checked = run_group(tmp_path / "python", "references", 2, 60.0)
+    assert not checked.findings
+    assert not checked.skipped
     again = package(part, tmp_path / "again.fmu")
     assert again.read_bytes() == native.read_bytes()
     with zipfile.ZipFile(native) as archive:
