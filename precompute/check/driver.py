@@ -52,7 +52,8 @@ class Refused(Exception):
     """A legal call was not answered by fmi2OK or fmi2Warning."""
 
     def __init__(self, call: str, status: str, said: str) -> None:
-        super().__init__(f"fmi2{call} gave {status}" + (f": {said}" if said else ", and said nothing"))
+        words = f": {' '.join(said.split())}" if said else ", and said nothing"
+        super().__init__(f"fmi2{call} gave {status}{words}")
 
 
 class OnlyOnce(Exception):
