@@ -25,9 +25,10 @@ from fmu_src.toolchain import host_platform
 from precompute.check.child import FAULT
 from precompute.check.demands import DEMANDS
 from precompute.check.description import read_description
-from precompute.check.driver import CALLS, Fmu, Refused, binary
+from precompute.check.driver import Fmu, Refused, binary
 from precompute.check.finding import Finding, Skipped
 from precompute.check.groups import GROUPS
+from precompute.check.library import CALLS
 from precompute.check.process import run_group
 from precompute.check.report import as_json
 from precompute.check.runs import difference, fresh_run

@@ -7,10 +7,11 @@ from shutil import copytree
 from tempfile import TemporaryDirectory
 
 from .check import Check, needs
-from .driver import CO_SIMULATION, Fmu, Refused, Slave
+from .driver import Fmu, Refused, Slave
 from .finding import Demand, Finding
 from .host import Callbacks, Host, overwrite
 from .instances import several
+from .library import CO_SIMULATION
 from .runs import difference, fresh_run, run
 from .state import saved
 

@@ -6,8 +6,9 @@ from ctypes import c_double, c_int
 
 from .check import Check, needs
 from .description import Variable
-from .driver import LAST_SUCCESSFUL_TIME, OK, TERMINATED, Ended, Fmu, Refused
+from .driver import Ended, Fmu, Refused
 from .finding import Demand, Finding
+from .library import LAST_SUCCESSFUL_TIME, OK, TERMINATED
 from .runs import inputs_at, observed, run, shown
 
 # parts of 12 steps: each size other than its neighbours, fewer and more of them than 12

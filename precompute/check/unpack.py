@@ -6,7 +6,7 @@ from pathlib import Path, PurePosixPath
 
 from ..errors import ModalFmuError
 from .description import DESCRIPTION, read_description
-from .driver import library_suffix, platform_folder
+from .library import library_suffix, platform_folder
 
 LARGEST = 4 << 30  # bytes, unpacked
 RATIO = 1100  # deflate cannot do better than 1032

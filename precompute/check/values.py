@@ -7,9 +7,10 @@ from ctypes import c_int, c_size_t, c_void_p
 
 from .check import Check
 from .description import Description, Value, Variable
-from .driver import DISCARD, OK, Fmu, Slave, arrays
+from .driver import Fmu, Slave, arrays
 from .finding import Demand, Finding
 from .instances import several
+from .library import DISCARD, OK
 from .runs import difference, inputs_at, moved, run, shown, tuned
 
 SIX_DIGITS = 1e-6  # relative: what some exporters write of a start value
