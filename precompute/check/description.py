@@ -15,7 +15,7 @@ Value = float | int | bool | str
 _EXACT = {("parameter", "fixed"), ("parameter", "tunable"), ("output", "constant"), ("local", "constant")}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # each is itself, and quick to look up
 class Variable:
     """A ScalarVariable; what is left out of the file has its default, numbers that are none are None.
 

@@ -7,7 +7,7 @@ from .description import Unknown, Value, Variable
 from .driver import Fmu, Refused, Slave
 from .finding import Demand, Finding
 from .runs import inputs_at, run, size_of
-from .structure import accepted, generic, initialising, knowns
+from .structure import accepted, generic, initialising, knowns, some
 
 STEP = 1e-4  # of a known's size; the error of a central difference is its square, 1e-8, times f'''
 AGREE = 1e-3  # relative; a wrong derivative is further off
@@ -19,7 +19,7 @@ def initial(fmu: Fmu) -> Iterator[Finding]:
     description = fmu.description
     point = accepted(fmu, generic(description))
     slave = initialising(fmu, point)
-    reals = [v for v in knowns(description) if v.type == "Real" and v in point]
+    reals = some([v for v in knowns(description) if v.type == "Real" and v in point])
     yield from _compare(fmu, slave, "in initialization mode", description.initial_unknowns, reals, point)
     slave.free()
 

@@ -15,7 +15,7 @@ from .driver import Fmu, Refused, Slave
 from .finding import Demand, Finding
 from .runs import inputs_at, moved, run, same
 
-MANY = 150  # knowns that are moved
+MANY = 100  # knowns that are moved
 ROUNDING = 1e-9  # of a value: less is the noise of an iteration
 NAMED = 5  # findings of one kind
 Pair = tuple[int, int]  # places of an unknown and a known
@@ -30,13 +30,17 @@ class Effects:
 
 
 def knowns(description: Description) -> tuple[Variable, ...]:
-    """In initialization mode: inputs, and what has initial=exact and can be set; each n-th of very many."""
-    found = [
+    """In initialization mode: inputs, and what has initial=exact and can be set."""
+    return tuple(
         v
         for v in description.variables
         if (v.causality == "input" or v.initial == "exact") and v.variability != "constant"
-    ]
-    return tuple(found[:: max(1, -(-len(found) // MANY))])
+    )
+
+
+def some(found: Sequence[Variable]) -> Sequence[Variable]:
+    """Each n-th of very many."""
+    return found[:: max(1, -(-len(found) // MANY))]
 
 
 def other_value(v: Variable) -> Value | None:
@@ -89,7 +93,7 @@ def _alone(fmu: Fmu, v: Variable, value: Value) -> bool:
 def initial(fmu: Fmu) -> Iterator[Finding]:
     """InitialUnknowns."""
     d = fmu.description
-    moves = {v: value for v in knowns(d) if (value := other_value(v)) is not None}
+    moves = {v: value for v in some(knowns(d)) if (value := other_value(v)) is not None}
     moves = accepted(fmu, moves)
     everywhere = accepted(fmu, generic(d))
     effects = []
@@ -103,7 +107,7 @@ def initial(fmu: Fmu) -> Iterator[Finding]:
 def at_a_point(fmu: Fmu) -> Iterator[Finding]:
     """Outputs, by the inputs."""
     d = fmu.description
-    moves = {v: value for v in d.inputs if (value := other_value(v)) is not None}
+    moves = {v: value for v in some(d.inputs) if (value := other_value(v)) is not None}
     effects = []
     for steps, point in ((3, inputs_at(fmu, 2)), (0, {})):
         slave = fmu.slave().initialise(fmu.start)
