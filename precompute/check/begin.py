@@ -22,6 +22,8 @@ def functions(fmu: Fmu) -> Iterator[Finding]:
 
 def first_step(fmu: Fmu) -> Iterator[Finding]:
     """fmi2Instantiate … one fmi2DoStep … fmi2FreeInstance, with everything right."""
+    if fmu.library.missing:
+        return
     try:
         slave = fmu.slave()
     except Refused as refused:
@@ -36,7 +38,8 @@ def first_step(fmu: Fmu) -> Iterator[Finding]:
         run(fmu, slave, 0, 1)
         slave.must("Terminate")
     except Refused as refused:
-        yield Finding("first-step", str(refused))
+        guessed = "" if fmu.description.step else f"; the FMU names no stepSize, so {fmu.h:g} s were tried"
+        yield Finding("first-step", f"{refused}{guessed}")
         return
     slave.free()
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from .description import read_description
-from .driver import Ended, Fmu, OnlyOnce, Refused
+from .driver import Ended, Fmu, NotLoaded, OnlyOnce, Refused
 from .finding import Finding
 from .groups import GROUPS
 from .journal import Journal
@@ -47,12 +47,17 @@ def main(folder: str, work: str, group: str, steps: str, *done: str) -> None:
             except Refused as refused:
                 finding = Finding("legal-call-refused", str(refused))
                 tell({"finding": finding.name, "got": finding.got})
-            except OSError as error:  # of the loader; on Windows also an access violation in a call
+            except NotLoaded as error:
                 tell({"finding": "library-loads", "got": str(error)})
             except OnlyOnce:
                 tell({"skipped": check.name, "why": "canBeInstantiatedOnlyOncePerProcess is declared"})
             except Ended:
                 tell({"skipped": check.name, "why": "the FMU ends the simulation before"})
+            except OSError as error:
+                if sys.platform != "win32":
+                    tell({"skipped": check.name, "why": f"{FAULT}: {error!r}"})
+                else:  # there it is what ctypes makes of an access violation
+                    tell({"finding": check.crash, "got": f"{error}, in the check {check.name}"})
             except Exception as error:  # noqa: BLE001  one check that is at fault must not silence the others
                 tell({"skipped": check.name, "why": f"{FAULT}: {error!r}"})
         tell({"check": END})

@@ -38,6 +38,10 @@ class Refused(Exception):
         super().__init__(f"fmi2{call} gave {status}{words}")
 
 
+class NotLoaded(Exception):
+    """The library cannot be loaded."""
+
+
 class OnlyOnce(Exception):
     """The FMU says that a process can have one instance of it, and it has had that."""
 
@@ -200,8 +204,11 @@ class Fmu:
 
     @cached_property
     def library(self) -> Library:
-        """Loaded when it is first needed. Raises OSError where it cannot be."""
-        return Library(binary(self.folder, self.description), self._note)
+        """Loaded when it is first needed. Raises NotLoaded where it cannot be."""
+        try:
+            return Library(binary(self.folder, self.description), self._note)
+        except OSError as error:
+            raise NotLoaded(str(error)) from None
 
     def unload(self) -> None:
         """Take the library out of the process; it is loaded again where it is needed again."""
