@@ -16,9 +16,11 @@ from scipy.sparse import csr_array
 from fmu_src.runtime.instance import Instance
 from fmu_src.runtime.model import row_starts
 from precompute.arrays import Floats
+from precompute.connection import connect
+from precompute.full_part import read_full_part
 from precompute.oscillators import Complexes
 from precompute.part import read_part
-from precompute.pipeline import Reduction, reduce_part
+from precompute.pipeline import Reduction, reduce_part, silent
 
 TURN = np.array([[2.0, 1.0, 2.0], [-2.0, 2.0, 1.0], [-1.0, -2.0, 2.0]]) / 3  # no axis along the beam
 FRAME = straight(Beam(E=2e9, G=8e8, rho=1200.0, A=4e-4, Iy=1.2e-8, Iz=2.5e-8, J=3e-8), 1.2, 5, TURN)
@@ -203,6 +205,15 @@ def test_every_output_is_that_of_the_full_equations(tmp_path: Path, own: bool) -
             np.testing.assert_allclose(
                 found[model.outputs.index(name)], row, rtol=1e-8, atol=1e-9 * np.abs(row).max(), err_msg=name
             )  # κ(K) times rounding
+
+
+def test_a_dashpot_between_ports_at_rest_loads_no_mode(tmp_path: Path) -> None:
+    """side.z is held, and the ends of the other one are not: not by a little, but not at all."""
+    part = reduced(tmp_path, False).part
+    between, turning = connect(part, read_full_part(part, silent)).own_dashpots
+    assert between[0].nnz == 0
+    assert between[1] == GROUND
+    assert turning[0].nnz == 1  # of the knee alone: the end turns as it is told
 
 
 def test_a_rigid_port_of_one_node_is_the_node(tmp_path: Path) -> None:

@@ -84,6 +84,20 @@ class TestMovingSupport:
             assert scale > 0
 
 
+def test_what_is_not_there_is_exactly_zero(tmp_path: Path) -> None:
+    """So that no output is said to depend on what cannot reach it: modes do not move the clamp."""
+    port = root(SIX, '["displacement.x", "velocity.z", "rotation.y"]', 'kind = "rigid"')
+    model = reduced(tmp_path, (SUPPORT, ""), (MODES, port + MODES)).model
+    unit = dict(zip(model.outputs, model.C, strict=True))
+    for name, j in (("displacement.x", 0), ("velocity.z", 2), ("rotation.y", 4)):
+        np.testing.assert_array_equal(np.delete(unit[f"root.{name}"], j), 0.0)
+        assert unit[f"root.{name}"][j] == pytest.approx(1.0, rel=1e-14)
+    np.testing.assert_array_equal(unit["tip.displacement.x"][1:6] != 0, [False] * 5)
+    np.testing.assert_array_equal(
+        unit["tip.displacement.z"][:6] != 0, [False, False, True, False, True, False]
+    )
+
+
 def named(values: Floats, mover: str) -> dict[str, float]:
     names = (f"{mover}.x", f"{mover}.z", "tip.force.z", "gravity.z")
     return dict(zip(names, values.tolist(), strict=True))

@@ -88,6 +88,15 @@ def test_what_is_held_rests_and_what_is_moved_moves(name: str) -> None:
     assert not of.P.toarray()[fixed].any()
 
 
+@pytest.mark.parametrize("name", ["free, one direction", "free, all of a face", "free, a node"])
+def test_rigid_motions_are_the_nearest_that_leave_the_ports_at_rest(name: str) -> None:
+    """T R̂ = (I − W⁺W) R: smooth, where a motion of the pivots alone would have their energy."""
+    of = constrained(*CASES[name])
+    W = of.W.toarray()
+    wanted = BODY.rigid - np.linalg.pinv(W) @ (W @ BODY.rigid)
+    np.testing.assert_allclose(of.T @ of.system.rigid, wanted, atol=1e-12)
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_modes_are_those_of_the_null_space(name: str) -> None:
     """ZᵀKZ y = λ ZᵀMZ y with Z all that supports, rigid ports and held ones allow; as many rigid ones."""
