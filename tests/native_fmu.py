@@ -207,7 +207,7 @@ class Instance:
 
     def get_states(self, what: str = "GetContinuousStates") -> Floats:
         """Also GetDerivatives and GetNominalsOfContinuousStates."""
-        x = np.full(2 * self.fmu.modes, -7.0)
+        x = np.full(2 * self.fmu.coordinates, -7.0)
         self.must(what, x, len(x))
         return x
 
@@ -257,7 +257,8 @@ class NativeFmu:
         reals = [v for v in self.description.modelVariables if v.type == "Real"]
         self.reference = {v.name: int(v.valueReference) for v in self.description.modelVariables}
         self.size = len(reals)  # value references are 0 … size - 1
-        self.modes = len(self.description.derivatives) // 2
+        self.modes = sum(name.startswith("modes.frequency[") for name in self.reference)
+        self.coordinates = len(self.description.derivatives) // 2  # and prescribed motions
         self.inputs = [self.reference[v.name] for v in reals if v.causality == "input"]
         self.outputs = [self.reference[v.name] for v in reals if v.causality == "output"]
         for call, arguments in CALLS.items():

@@ -5,6 +5,7 @@ import math
 from typing import Any
 
 import numpy as np
+from driven import part, reduced
 from examples import everything, two_ports
 from fmpy.fmi2 import calloc, free
 from native_fmu import (
@@ -18,6 +19,7 @@ from native_fmu import (
     Instance,
     native_fmu,
 )
+from structures import residual
 
 from fmu_src.runtime.model import ReducedModel
 
@@ -38,6 +40,12 @@ def elastic_everything(initial: str) -> ReducedModel:
     """Every law, feed-through, coupled modes; what is off follows statically."""
     lam = np.array([3.0, 8.0, 30.0, 30.0, 400.0, 9000.0, 2e4])
     return everything(f"elastic_everything_{initial}", lam=lam, initial=initial)
+
+
+def driven_ports(initial: str) -> ReducedModel:
+    """Ports that are moved, modes coupled and dragged by dashpots; what is off follows statically."""
+    full = part()
+    return reduced(full, name=f"driven_{initial}", initial=initial, **residual(reduced(full)))
 
 
 def instance_in(kind: int, mode: str, host: Host | None = None) -> Instance:

@@ -10,11 +10,12 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from driven import driven
 from examples import everything, oscillator, two_ports
 from fmpy.validation import validate_fmu
 from lxml import etree
 from ready_parts import reduction
-from structures import gaps_static
+from structures import gaps_static, moved_gaps_static
 
 from fmu_src.archive import write_archive
 from fmu_src.native_fmu import build_native_fmu
@@ -39,6 +40,8 @@ MODELS: Mapping[str, Callable[[], ReducedModel]] = {
     "static": gaps_static,
     "everything": everything,
     "no_outputs": no_outputs,
+    "driven": driven,
+    "driven static": moved_gaps_static,
 }
 
 

@@ -16,7 +16,7 @@ from native_fmu import (
     alone,
     native_fmu,
 )
-from native_modes import MODES, elastic_everything, elastic_ports, instance_in
+from native_modes import MODES, driven_ports, elastic_everything, elastic_ports, instance_in
 
 from fmu_src.runtime.model import Floats
 
@@ -52,12 +52,12 @@ def random_run(x: Instance, seed: int, t: float, steps: int = 40) -> tuple[float
     return t, np.array(seen)
 
 
-PARTS = ["rest", "static", "everything rest", "everything static"]
+PARTS = ["rest", "static", "everything rest", "everything static", "driven rest", "driven static"]
+MAKE = {"everything": elastic_everything, "driven": driven_ports}
 
 
 def part(name: str) -> NativeFmu:
-    make = elastic_everything if name.startswith("everything") else elastic_ports
-    return native_fmu(make, initial=name.split()[-1])
+    return native_fmu(MAKE.get(name.split()[0], elastic_ports), initial=name.split()[-1])
 
 
 def in_mid_run(initial: str, seed: int) -> tuple[Instance, float]:

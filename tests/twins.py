@@ -13,6 +13,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from driven import driven
 from examples import PRELUDE, everything, run_master, two_ports
 from numpy.typing import NDArray
 from ready_parts import reduction
@@ -25,12 +26,15 @@ EPS = float(np.finfo(float).eps)
 DAMPED = 1e-12  # of the peak: roundings die down with the motion
 
 MASTER = """
-part = Part(sys.argv[1]).initialise()
+part = Part(sys.argv[1])
+begin = [v.name for v in part.description.modelVariables if v.variability == "fixed"]
+part.initialise(**{name.replace(".", "__"): 0.1 * (k + 1) for k, name in enumerate(begin)})
 with np.load(sys.argv[2]) as file:
     h, u, settings = file["h"], file["u"].tolist(), file["settings"]
 reals = [v for v in part.description.modelVariables if v.type == "Real"]
 outputs = [v.valueReference for v in reals if v.causality == "output"]
-states = [v.valueReference for v in reals if v.name.startswith(("modes.amplitude", "modes.velocity"))]
+states = [v.valueReference for v in reals if v.name.startswith(("modes.amplitude", "modes.velocity"))
+          or ".prescribed_" in v.name and not v.name.startswith("der(")]
 inputs = [v.valueReference for v in reals if v.causality == "input"]
 damping = [part.vr["damping.alpha"], part.vr["damping.beta"]]
 rows, t, last = np.empty((len(h), len(outputs + states))), 0.0, None
@@ -62,7 +66,7 @@ class Difference:
 def tuned_steps(model: ReducedModel, steps: int) -> Floats:
     """α, β, modes.active for each step, changed every 50."""
     rng = np.random.default_rng(9)
-    r = len(model.lam)
+    r = model.r
     changes = -(-steps // 50)
     table = np.column_stack(
         [rng.uniform(0.1, 1.0, changes), rng.uniform(1e-4, 1e-2, changes), rng.integers(0, r + 1, changes)]
@@ -80,7 +84,7 @@ def inputs(model: ReducedModel, steps: int, *, tuned: bool) -> Mapping[str, Floa
     low, high = np.log10([0.05 / omega[-1], 2 / omega[0]])
     h = 10.0 ** rng.uniform(low, high, steps)
     h[::2] = (10.0 ** rng.uniform(low, high, 24))[rng.integers(0, 24, len(h[::2]))]
-    own = np.tile([model.alpha, model.beta, float(len(model.lam))], (steps, 1))
+    own = np.tile([model.alpha, model.beta, float(model.r)], (steps, 1))
     return {
         "h": h,
         "u": rng.standard_normal((steps, len(model.inputs))),
@@ -89,7 +93,7 @@ def inputs(model: ReducedModel, steps: int, *, tuned: bool) -> Mapping[str, Floa
 
 
 def run(fmu: Path, given: Mapping[str, Floats]) -> Floats:
-    """Outputs, amplitudes and modal velocities after each step, (steps, p + 2r), in a process of its own."""
+    """Outputs, x and ẋ after each step, (steps, p + 2n), in a process of its own."""
     folder = fmu.parent
     np.savez(folder / "inputs.npz", **given)
     run_master(PRELUDE + MASTER, fmu, folder / "inputs.npz", folder / "rows.npy", cwd=folder)
@@ -99,11 +103,15 @@ def run(fmu: Path, given: Mapping[str, Floats]) -> Floats:
 
 
 def modes_of(model: ReducedModel) -> NDArray[np.bool_]:
-    """Which modes each output, amplitude and velocity is made of, (p + 2r, r); coupled ones all alike."""
+    """Which coordinates each output, entry of x and of ẋ is made of, (p + 2n, n); coupled modes all alike.
+
+    A prescribed motion drags all modes.
+    """
     starts, one = row_starts(model.laws), np.eye(len(model.lam), dtype=bool)
     rows = [(model.C[a:b] != 0).any(axis=0) | (a == b) for a, b in pairwise(starts)]  # energies of all
     modes = np.vstack([*rows, one, one])
     modes[:, model.coupled] |= modes[:, model.coupled].any(axis=1, keepdims=True)
+    modes[:, : model.k] = True
     return modes
 
 
@@ -149,9 +157,11 @@ PARTS: Mapping[str, Callable[[], ReducedModel]] = {
     "undamped": undamped,
     "everything": everything,
     "everything elastic": elastic,
+    "driven": driven,
+    "driven, dragged by α": partial(driven, dashpots=False, k=2),
 }
 
-TUNED = ("two_ports", "everything")  # also with α, β and modes.active changed while running
+TUNED = ("two_ports", "everything", "driven")  # also with α, β and modes.active changed while running
 
 
 def main() -> None:
