@@ -74,8 +74,8 @@ def _check_own(A: Floats, names: Sequence[tuple[str, str]]) -> None:
         if np.linalg.norm(row) <= NEW:
             before = ", ".join(f"{other}.{its}" for other, its in names[: Q.shape[1]])
             raise PartError(
-                f"port {port}: got the input {key}, which {before} tell already, expected motions that are "
-                "independent; remove it, or let the ports overlap less"
+                f"port {port}: got the input {key}, which follows from {before} already, expected motions "
+                "that are independent; remove it, or let the ports overlap less"
             )
         Q = np.column_stack([Q, row / np.linalg.norm(row)])
 

@@ -217,8 +217,8 @@ class TestMistakes:
         moves = [(twin, 0, "motion.x"), (LEFT, 2, "motion.z"), (FLANGE, 0, "motion.x")]
         found = self.told(NONE, [FLANGE], moves)
         assert found == (
-            "port flange: got the input motion.x, which right.motion.x, left.motion.z tell already, expected "
-            "motions that are independent; remove it, or let the ports overlap less"
+            "port flange: got the input motion.x, which follows from right.motion.x, left.motion.z already, "
+            "expected motions that are independent; remove it, or let the ports overlap less"
         )
 
     def test_overlapping_ports_that_are_independent_are_legal(self) -> None:
@@ -228,7 +228,7 @@ class TestMistakes:
 
     def test_a_seventh_motion_of_a_rigid_body(self) -> None:
         moves = [(FLANGE, d, f"direction {d}") for d in ALL] + [(RIGHT, 4, "angular_motion.y")]
-        assert "got the input angular_motion.y, which flange.direction 0, " in self.told(
+        assert "got the input angular_motion.y, which follows from flange.direction 0, " in self.told(
             NONE, [FLANGE], moves
         )
 
