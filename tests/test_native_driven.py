@@ -11,6 +11,7 @@ from native_modes import driven_ports
 from scipy.integrate import solve_ivp
 from structures import inputs, start_of, starts, states
 
+from fmu_src.runtime.instance import Instance as Twin
 from fmu_src.runtime.model import Floats
 
 PARTS: Mapping[str, Mapping[str, float]] = {
@@ -134,7 +135,7 @@ def test_starts_are_parameters() -> None:
 
 
 def test_a_saved_state_remembers_the_starts() -> None:
-    """In another instance with other starts, during initialisation and later; one that is no number: refused."""
+    """In another instance with other starts, during initialisation and later."""
     fmu = native_fmu(driven_ports, initial="static")
     values = dict(zip(starts(fmu), np.arange(1.0, 7.0), strict=True))
     x, other = fmu.instance(), fmu.instance()
@@ -157,6 +158,32 @@ def test_a_saved_state_remembers_the_starts() -> None:
     np.testing.assert_array_equal(x.reals(), later)
     x.free()
     other.free()
+
+
+@pytest.mark.parametrize("initial", ["rest", "static"])
+def test_damping_is_tuned_with_nothing_else_changed(initial: str) -> None:
+    """All Reals as the Python twin has them, at the start and from step to step."""
+    fmu, twin = native_fmu(driven_ports, initial=initial), Twin(driven_ports(initial))
+    x, place, start = fmu.instance(), twin.layout, np.arange(1.0, 7.0)
+    x.must("EnterInitializationMode")
+    assert x.set(dict(zip(starts(fmu), start, strict=True))) == OK
+    assert x.set_real(fmu.inputs, 0.1 * np.arange(len(fmu.inputs))) == OK
+    twin.set_start(dict(enumerate(start, start=place.start.start)))
+    twin.set_inputs(fmu.inputs, 0.1 * np.arange(len(fmu.inputs)))
+    for k, alpha in enumerate((0.4, 7.0, 0.0, 2.0)):
+        assert x.set({"damping.alpha": alpha, "damping.beta": 0.01 * alpha}) == OK
+        twin.set_damping(alpha, 0.01 * alpha)
+        found, expected = x.reals(), twin.reals()
+        # λq, of which accelerations and reactions are left, is up to 1e4
+        assert np.abs(found - expected).max() < 1e-14 * 1e4, alpha
+        if k == 1:
+            x.must("ExitInitializationMode")
+            twin.initialising = False
+        if k >= 1:
+            assert x.step(0.2 * (k - 1), 0.2) == OK
+            assert twin.advance(0.2 * (k - 1), 0.2) is None
+            assert np.abs(x.reals() - twin.reals()).max() < 1e-14 * 1e4, alpha
+    x.free()
 
 
 def test_the_level_of_detail_counts_modes() -> None:
