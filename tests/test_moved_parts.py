@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from moved_bar import MODES, OUTPUTS, RATIO, SIX, SUPPORT, reduced, root
 from moved_responses import responses
-from small_part import CELLS, DENSITY, LENGTH, WIDTH, YOUNG
+from small_part import CELLS, DENSITY, LENGTH, WIDTH, YOUNG, bar, beside, write_mesh, write_part
 
 from fmu_src.runtime.instance import Instance
 from fmu_src.runtime.model import ReducedModel
 from precompute.arrays import Floats
 from precompute.fmu_face import read_face
 from precompute.oscillators import Complexes
-from precompute.pipeline import package
+from precompute.part import read_part
+from precompute.pipeline import package, reduce_part
 from precompute.shape import deformed_points, read_shape
 from precompute.simulation import simulate
 
@@ -265,6 +266,52 @@ def compare(found: Complexes, wanted: Complexes, terms: Floats) -> None:
     scale = terms.max(axis=1, keepdims=True, initial=0.0)
     worst = np.max(np.abs(found - wanted) / (scale + (scale == 0)), axis=1)
     np.testing.assert_array_less(worst, 1e-8)
+
+
+SIX_FORCES = '["force.x", "force.y", "force.z", "moment.x", "moment.y", "moment.z"]'
+SIX_REACTIONS = str([f"{kind}.{axis}" for kind in ("reaction", "reaction_moment") for axis in "xyz"])
+ACCELERATIONS = [f"{kind}.{axis}" for kind in ("acceleration", "angular_acceleration") for axis in "xyz"]
+
+
+def test_two_parts_that_are_joined_are_one(tmp_path: Path) -> None:
+    """A clamped bar takes the reactions of another one, which its tip moves: a bar twice as long.
+
+    f = −Z a, a = Y (f + F) at the rigid flange where they meet, with all modes.
+    """
+    damping = (RATIO, "[damping]\nalpha = 3.0\nbeta = 2e-6\n")
+    flange = ('"force.x", "force.z"]', SIX_FORCES[1:] + '\nkind = "rigid"')
+    told = (OUTPUTS, f"outputs = {ACCELERATIONS}")
+    first = reduced(tmp_path / "first", flange, told, damping, (MODES, "[modes]\ncount = 66\n")).model
+    second = reduced(
+        tmp_path / "second",
+        (SUPPORT, ""),
+        (MODES, root(SIX, SIX_REACTIONS, 'kind = "rigid"') + "[modes]\ncount = 72\n"),
+        (OUTPUTS, 'outputs = ["displacement.z", "rotation.y"]'),
+        damping,
+    ).model
+    whole = write_part(
+        tmp_path,
+        damping,
+        (OUTPUTS, 'outputs = ["displacement.z", "rotation.y"]'),
+        ('normal = "x", at = 1.0', 'normal = "x", at = 2.0'),
+        (MODES, root(SIX_FORCES, str(ACCELERATIONS), 'kind = "rigid"').replace("at = 0.0", "at = 1.0")),
+    )
+    whole.write_text(whole.read_text() + "[modes]\ncount = 138\n")
+    write_mesh(tmp_path, *beside(*bar(), (LENGTH, 0.0, 0.0)))
+    one = reduce_part(read_part(whole)).model
+    for f in (2.0, 60.0, 800.0):
+        Y, H, wanted = (responses(of, 2 * np.pi * f) for of in (first, second, one))
+        Z = H[np.ix_(places(second.outputs, "root.reaction"), places(second.inputs, "root."))]
+        a = np.linalg.solve(np.eye(6) + Y @ Z, Y)  # per force on the flange
+        joined = places(one.outputs, "root."), places(one.inputs, "root.")
+        compare(a, wanted[np.ix_(*joined)], np.abs(wanted[np.ix_(*joined)]))
+        follows = H[np.ix_(places(second.outputs, "tip."), places(second.inputs, "root."))]
+        far = wanted[np.ix_(places(one.outputs, "tip."), joined[1])]
+        compare(follows @ a, far, np.abs(follows) @ np.abs(a))
+
+
+def places(names: tuple[str, ...], beginning: str) -> list[int]:
+    return [i for i, name in enumerate(names) if name.startswith(beginning)]
 
 
 def test_the_deformed_shape_moves_with_the_port(tmp_path: Path) -> None:
