@@ -102,7 +102,7 @@ def index_html(
         "<style>body{font:15px sans-serif;margin:2em}td,th{padding:.2em .8em;text-align:right}"
         "th{border-bottom:1px solid}</style></head>\n"
         f"<body><h1>{escape(model.name)}</h1>\n<p>{escape(model.description)}</p>\n{mass}"
-        f"<p>Reduced modal model of {model.r} modes, {_damping(model)}. "
+        f"<p>Reduced modal model of {model.r} modes, {_damping(model)}{_held(model)}. "
         "Each mode advances by the analytic solution of its equation of motion, "
         "exact for the force as it is given over the step, at any step size.</p>\n"
         f"{link}<h2>Ports</h2>\n{_table(['port', 'inputs', 'outputs'], ports)}"
@@ -116,6 +116,12 @@ def _damping(model: ReducedModel) -> str:
     if model.D_rest.any():
         words.append("and damping that couples modes" if len(model.coupled) else "and ratios of their own")
     return " ".join(words)
+
+
+def _held(model: ReducedModel) -> str:
+    """What the frequencies belong to where ports are driven."""
+    held = [model.inputs[place] for place in model.motions]
+    return f", of the part with {escape(', '.join(held))} held" if held else ""
 
 
 def _table(head: list[str], rows: list[list[str]]) -> str:

@@ -5,13 +5,15 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from driven import part, reduced
 from examples import oscillator, two_ports
 
 from fmu_src.description import Twin, default_experiment, model_description
 from fmu_src.runtime.instance import Instance
 from fmu_src.runtime.model import ReducedModel
 from fmu_src.runtime.step import State
-from fmu_src.runtime.variables import variables
+from fmu_src.runtime.variables import layout, variables
+from fmu_src.structure import structure
 
 
 def sparse_model(initial: str) -> ReducedModel:
@@ -179,6 +181,38 @@ def test_every_variable_is_declared_as_promised() -> None:
         0,
         *default_experiment(model),
     ]
+
+
+@pytest.mark.parametrize("initial", ["rest", "static"])
+def test_prescribed_motions_have_starts_and_states(initial: str) -> None:
+    """As the contract of their variables says: names, units, and what a state starts from."""
+    model = reduced(part(k=2), initial=initial)
+    listed, place = variables(model), layout(model)
+    found = [(v.name, v.unit, v.causality, v.variability, v.initial, v.start) for v in listed]
+    fixed = ("parameter", "fixed", "exact", 0.0)
+    assert found[place.start] == [
+        ("left.start_displacement.y", "m", *fixed),
+        ("left.start_rotation.z", "rad", *fixed),
+        ("left.start_velocity.y", "m/s", *fixed),
+        ("left.start_angular_velocity.z", "rad/s", *fixed),
+    ]
+    follows = ("local", "continuous", "calculated", None)
+    assert found[place.q][:2] == [
+        ("left.prescribed_displacement.y", "m", *follows),
+        ("left.prescribed_rotation.z", "rad", *follows),
+    ]
+    assert found[place.v][:2] == [
+        ("left.prescribed_velocity.y", "m/s", *follows),
+        ("left.prescribed_angular_velocity.z", "rad/s", *follows),
+    ]
+    rates = [(v.name, v.unit, listed[v.derivative].name) for v in listed if v.derivative is not None]
+    assert [name for name, _, _ in rates] == [f"der({state})" for _, _, state in rates]
+    assert [unit for _, unit, _ in rates if unit] == ["m/s", "rad/s", "m/s2", "rad/s2"]
+    assert listed[place.q.start + 2].name == "modes.amplitude[1]"
+    assert listed[place.frequency.start].start == pytest.approx(model.lam[2] ** 0.5 / (2 * np.pi))
+    initials = structure(model).initial
+    for j, state in enumerate([*range(place.q.start, place.q.start + 2), place.v.start, place.v.start + 1]):
+        assert initials[state] == [place.start.start + j]
 
 
 def test_static_amplitudes_are_calculated() -> None:

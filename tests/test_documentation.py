@@ -6,6 +6,7 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
+from driven import driven
 from examples import everything, two_ports
 
 from fmu_src.archive import write_archive
@@ -31,6 +32,13 @@ def test_damping_that_no_alpha_and_beta_tell_is_said() -> None:
     assert "s and damping that couples modes." in index_html(everything())
     plain = index_html(two_ports(D_rest=np.zeros((6, 6))))
     assert "&beta; = 0.001 s. Each mode" in plain
+
+
+def test_what_the_modes_leave_held_is_said() -> None:
+    page = index_html(driven(k=2))
+    assert "of 6 modes" in page
+    assert "of the part with left.motion.y, left.angular_motion.z held. Each mode" in page
+    assert "held" not in index_html(everything())
 
 
 def test_accuracy_and_reference_results_have_a_link_where_they_are_there() -> None:

@@ -171,6 +171,23 @@ def test_modes_that_are_off_leave_the_motion(active: int) -> None:
         assert whole["left.displacement.y"] == pytest.approx(twins[0].state.q[0], rel=1e-15)
 
 
+def test_modes_that_are_off_follow_what_is_prescribed() -> None:
+    """With the residual and nothing that drags, equilibrium in an acceleration does not need the modes."""
+    of, rng = part(dashpots=False, alpha=0.0), np.random.default_rng(6)
+    model = reduced(of, initial="static", residual=True)
+    twin, u = Instance(model), rng.standard_normal(len(model.inputs))
+    twin.set_inputs(np.arange(len(u)), u)
+    twin.set_start(dict(enumerate(rng.standard_normal(6), start=twin.layout.start.start)))
+    whole = outputs(twin)
+    twin.set_active(1)
+    for name in ("gap.displacement.z", "left.displacement.y", "left.stress.mises", "energy.strain"):
+        assert outputs(twin)[name] == pytest.approx(whole[name], rel=1e-12), name
+    truncated = Instance(reduced(of, initial="static"))
+    truncated.set_inputs(np.arange(len(u)), u)
+    truncated.set_active(1)
+    assert abs(outputs(truncated)["gap.displacement.z"] / whole["gap.displacement.z"] - 1) > 1e-3
+
+
 def test_damping_that_is_tuned_while_the_ports_move() -> None:
     """N follows α from step to step: as the full part with other damping from the same motion."""
     of, rng = part(), np.random.default_rng(7)

@@ -8,6 +8,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from driven import driven
 from examples import PRELUDE, oscillator, run_master, two_ports
 from fmpy.validation import validate_fmu
 
@@ -375,6 +376,46 @@ for path in sys.argv[1:]:
     values[part.description.modelName] = part.get("tip.displacement.x")[0]
 print(json.dumps(values))
 """
+
+
+DRIVEN = """
+part = Part(sys.argv[1])
+names = [v.name for v in part.description.modelVariables if v.variability == "fixed"]
+part.fmu.enterInitializationMode()
+part.fmu.setReal([part.vr[name] for name in names], [1.0, 2.0, 3.0, 4.0])
+states = [name.replace("start", "prescribed") for name in names]
+assert part.get(*states).tolist() == [1.0, 2.0, 3.0, 4.0]
+for name, value, word in [
+    (names[0], float("nan"), "got a start of a prescribed motion of nan"),
+    (states[1], 7.0, "is calculated"),
+    (states[3], 7.0, "is calculated"),
+]:
+    LOG.clear()
+    part.set(name, value)
+    assert len(LOG) == 1 and LOG[0][0] == 3 and word in LOG[0][1], LOG
+part.fmu.exitInitializationMode()
+LOG.clear()
+part.set(names[0], 7.0)
+assert "before fmi2ExitInitializationMode" in LOG[0][1], LOG
+part.set("left.motion.y", 6.0)
+state = part.fmu.getFMUState()
+part.step(0.0, 1.0)
+assert np.allclose(part.get(*states), [1 + 3 + 3, 2 + 4, 3 + 6, 4], rtol=1e-15)
+assert part.get(*names).tolist() == [1.0, 2.0, 3.0, 4.0]
+after = part.everything()
+part.fmu.setFMUState(state)
+part.step(0.0, 1.0)
+assert (part.everything() == after).all()
+part.fmu.setInteger([0], [7])
+assert part.fmu.getInteger([0]) == [6] and "0 … 6" in LOG[-1][1], LOG
+print("ok")
+"""
+
+
+def test_a_driven_part(tmp_path: Path) -> None:
+    """Starts are parameters, their states follow; the level of detail counts modes."""
+    fmu = build_python_fmu(driven(k=2), tmp_path / "driven.fmu")
+    assert "ok" in run_master(PRELUDE + DRIVEN, fmu, cwd=tmp_path)
 
 
 def test_two_parts_in_one_process_in_both_orders(tmp_path: Path) -> None:

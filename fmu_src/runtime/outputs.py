@@ -93,17 +93,24 @@ def outputs(
             case "kinetic":
                 y[one.places] = 0.5 * kinetic_form(model, v)
             case "strain":
-                s = q[: model.k]
-                y[one.places] = 0.5 * (q @ (model.lam * q) + s @ model.K_s @ s + u @ R_in @ u)
+                y[one.places] = 0.5 * (strain_form(model, q) + u @ R_in @ u)
     return y
 
 
 def kinetic_form(model: ReducedModel, v: Floats) -> float:
     """q̇ᵀq̇ + 2 q̇ᵀP ṡ + ṡᵀM_s ṡ with P = ΦᵀMΨ = −B_a: twice the energy of the whole motion Ψ ṡ + Φ q̇."""
-    k = model.k
-    s_dot, q_dot = v[:k], v[k:]
-    P = -model.B[k:, model.motions]
+    if model.k == 0:
+        return float(v @ v)
+    s_dot, q_dot = np.split(v, [model.k])
+    P = -model.B[model.k :, model.motions]
     return float(q_dot @ q_dot + 2 * (q_dot @ (P @ s_dot)) + s_dot @ model.M_s @ s_dot)
+
+
+def strain_form(model: ReducedModel, q: Floats) -> float:
+    """qᵀΛq + sᵀK_s s: twice the strain energy, to which Ψ s and Φ q have no part in common."""
+    s = q[: model.k]
+    own = float(q @ (model.lam * q))
+    return own + float(s @ model.K_s @ s) if model.k else own
 
 
 def _linear(rows: Rows, motion: Floats, u: Floats) -> Floats:
