@@ -1,12 +1,16 @@
 """Ports whose acceleration is prescribed, in the native FMU: against the full part, in both uses."""
 
 import math
+import shutil
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 import pytest
 from driven import Full, driven, part
+from fmpy import platform, sharedLibraryExtension
 from native_fmu import CO_SIMULATION, ERROR, MODEL_EXCHANGE, OK, Instance, NativeFmu, native_fmu
+from native_library import compile_into
 from native_modes import driven_ports
 from scipy.integrate import solve_ivp
 from structures import inputs, start_of, starts, states
@@ -228,6 +232,28 @@ def test_the_tools_solver_comes_to_what_the_steps_compute() -> None:
     assert x.get_states()[8] == 3.0
     x.free()
     stepped.free()
+
+
+def test_the_embedded_model_is_the_same(tmp_path: Path) -> None:
+    """Compiled in, with no resources beside it: the same run."""
+    fmu, rng = native_fmu(driven), np.random.default_rng(8)
+    folder = tmp_path / "embedded"
+    shutil.copytree(fmu.folder, folder)
+    name = f"{driven().name}{sharedLibraryExtension}"
+    flags = ("-shared", "-fPIC", "-O1", "-mcpu=baseline", "-DMODALFMU_EMBEDDED_MODEL")
+    source = folder / "sources" / "modalfmu.c"
+    shutil.copy(compile_into(tmp_path, name, [source], flags), folder / "binaries" / platform / name)
+    shutil.rmtree(folder / "resources")
+    rows, start = rng.standard_normal((3, len(fmu.inputs))), rng.standard_normal(6)
+    ends = []
+    for one in (fmu, NativeFmu(folder)):
+        x = begun(one, start[:3], start[3:])
+        give(x, rows)
+        assert x.step(0.0, 0.3) == OK
+        ends.append([x.reals(), y_of(x)])
+        x.free()
+    for found, expected in zip(*ends, strict=True):
+        np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12 * np.abs(expected).max())
 
 
 def test_a_motion_beyond_the_numbers() -> None:

@@ -32,7 +32,8 @@ int main(int count, char **given)
     for (size_t k = 0; k < sizeof tables / sizeof *tables; k++)
         if (tables[k] == best_kernels())
             usable = k + 1;
-    Propagator P = {1.0, numbers(n), numbers(n), numbers(n), numbers(n), numbers(n), numbers(n), numbers(n)};
+    Propagator P = {1.0,        numbers(n), numbers(n), numbers(n), numbers(n),
+                    numbers(n), numbers(n), numbers(n), NULL};
     double *q = numbers(n), *v = numbers(n), *f = numbers(n), *q1 = numbers(n), *v1 = numbers(n),
            *y = numbers(p);
     double *B = numbers(m * n), *C = numbers(p * n), *u = numbers(m), *times[3], *motion[] = {q1, v1};
