@@ -7,8 +7,13 @@ import numpy as np
 from .arrays import Floats, Ints
 from .constrained import Constrained
 from .rigid import HELD, rigid_modes
+from .rounding import without_energy
 from .statics import StaticSolver
 from .system import System
+
+ROUNDING = (
+    1e-10  # of a motion: what W and R, products of coordinates, leave of one that the body follows rigidly
+)
 
 
 @dataclass(frozen=True, eq=False)  # arrays have no one truth value
@@ -37,17 +42,23 @@ def moving_shapes(held: Constrained, system: System, fixed: Ints, solve: StaticS
     C, E = _rigid_share(held, R)
     X = held.P @ E
     X = X - held.T @ solve(held.T.T @ (system.K @ X))
+    X[:, without_energy(system.K, X, system.precision)] = 0.0
     Psi = R @ C + X
     left = held.T @ solve.rigid
     return MovingShapes(Psi - left @ (left.T @ (system.M @ Psi)), X)
 
 
 def _rigid_share(held: Constrained, R: Floats) -> tuple[Floats, Floats]:
-    """C = (W R)⁺ (r, k) and E = I − W R C (k, k), each motion against the largest that R could make of it."""
+    """C = (W R)⁺ (r, k) and E = I − W R C (k, k), without what is rounding only.
+
+    R reaches what is not small beside the largest that it could make of a motion.
+    """
     WR = held.W @ R
     rows, columns = np.asarray(abs(held.W).sum(axis=1)), np.abs(R).max(axis=0)
     U, size, Vt = np.linalg.svd(WR / rows[:, None] / columns, full_matrices=False)
     reached = size > HELD
     C = (Vt[reached].T / size[reached]) @ U[:, reached].T / rows / columns[:, None]
-    k = len(rows)
-    return C, np.zeros((k, k)) if reached.sum() == k else np.eye(k) - WR @ C
+    one = np.eye(len(rows))
+    E = one - WR @ C
+    rounded = np.abs(E) <= ROUNDING * (one + np.outer(rows, columns @ np.abs(C)))
+    return C, np.where(rounded | (reached.sum() == len(rows)), 0.0, E)

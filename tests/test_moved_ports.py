@@ -154,6 +154,14 @@ def test_a_free_part_follows_as_a_rigid_body(name: str) -> None:
         np.testing.assert_allclose(found.Psi, wanted, atol=1e-13)
 
 
+def test_only_what_the_body_cannot_follow_rigidly_deforms_it() -> None:
+    """A flange moved in six directions, a face in x: sideways motions of the flange strain nothing."""
+    found = shapes(constrained(NONE, [FLANGE], [*((FLANGE, d) for d in ALL), (LEFT, 0)]), NONE)
+    assert not found.elastic[:, 1:4].any()  # y, z, about x
+    assert found.elastic[:, [0, 6]].any(axis=0).all()
+    np.testing.assert_allclose(found.elastic[:, 0], -found.elastic[:, 6], atol=1e-12)
+
+
 def test_what_the_held_ports_leave_free_is_not_driven() -> None:
     """ΨᵀM R = 0 for the rigid motions R left: ΨᵀMΨ is the mass that the port feels, 1/(WR (RᵀMR)⁻¹RᵀWᵀ)."""
     of = constrained(NONE, [], [(LEFT, 1)])
