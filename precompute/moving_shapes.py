@@ -42,10 +42,10 @@ def moving_shapes(held: Constrained, system: System, fixed: Ints, solve: StaticS
     C, E = _rigid_share(held, R)
     X = held.P @ E
     X = X - held.T @ solve(held.T.T @ (system.K @ X))
-    X[:, without_energy(system.K, X, system.precision)] = 0.0
     Psi = R @ C + X
     left = held.T @ solve.rigid
-    return MovingShapes(Psi - left @ (left.T @ (system.M @ Psi)), X)
+    elastic = np.where(without_energy(system.K, X, system.precision), 0.0, X)
+    return MovingShapes(Psi - left @ (left.T @ (system.M @ Psi)), elastic)
 
 
 def _rigid_share(held: Constrained, R: Floats) -> tuple[Floats, Floats]:
