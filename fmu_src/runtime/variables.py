@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from .kinds import inputs_of, outputs_of
+from .kinds import Output, inputs_of, outputs_of
 from .model import Floats, Port, ReducedModel
 
 RATES = {"m": "m/s", "m/s": "m/s2", "rad": "rad/s", "rad/s": "rad/s2"}
@@ -136,49 +136,31 @@ def _parameter(name: str, start: float, unit: str, text: str) -> Variable:
     return Variable(name, "Real", "parameter", "tunable", "exact", text, unit=unit, start=start, minimum=0.0)
 
 
-@dataclass(frozen=True)
-class _Prescribed:
-    """A displacement or velocity that is prescribed: port, key, unit."""
-
-    port: str
-    key: str
-    unit: str
-
-    def name(self, word: str) -> str:
-        return f"{self.port}.{word}_{self.key}"
-
-    def text(self, word: str) -> str:
-        kind, direction = self.key.split(".")
-        about = " about " if kind in ("rotation", "angular_velocity") else " in "
-        return f"{word} {kind.replace('_', ' ')}{about}{direction} of {self.port}"
-
-
-def _prescribed(model: ReducedModel, order: int) -> list[_Prescribed]:
-    """s (order 0) or ṡ (order 1), as they follow from the inputs."""
-    found = []
-    for port in model.ports:
-        for key in port.inputs:
-            if prescribes := inputs_of(port.name)[key].prescribes:
-                own = prescribes[order]
-                found.append(_Prescribed(port.name, own, outputs_of(port.name)[own].unit))
-    return found
+def _prescribed(model: ReducedModel, order: int) -> list[tuple[str, str, Output]]:
+    """Port, key and kind of what s (order 0) or ṡ (order 1) are."""
+    return [
+        (port.name, prescribes[order], outputs_of(port.name)[prescribes[order]])
+        for port in model.ports
+        for key in port.inputs
+        if (prescribes := inputs_of(port.name)[key].prescribes)
+    ]
 
 
 def _starts(model: ReducedModel) -> list[Variable]:
     """Where prescribed motions begin."""
     return [
         Variable(
-            one.name("start"),
+            f"{port}.start_{key}",
             "Real",
             "parameter",
             "fixed",
             "exact",
-            f"{one.text('prescribed')} at the start",
-            unit=one.unit,
+            f"prescribed {about.text.format(port=port)} at the start",
+            unit=about.unit,
             start=0.0,
         )
         for order in (0, 1)
-        for one in _prescribed(model, order)
+        for port, key, about in _prescribed(model, order)
     ]
 
 
@@ -189,16 +171,16 @@ def _states(model: ReducedModel) -> list[Variable]:
         nominal = _nominal(model, order).tolist()
         found += [
             Variable(
-                one.name("prescribed"),
+                f"{port}.prescribed_{key}",
                 "Real",
                 "local",
                 "continuous",
                 "calculated",
-                one.text("prescribed"),
-                unit=one.unit,
+                f"prescribed {about.text.format(port=port)}",
+                unit=about.unit,
                 nominal=scale,
             )
-            for one, scale in zip(_prescribed(model, order), nominal, strict=False)
+            for (port, key, about), scale in zip(_prescribed(model, order), nominal, strict=False)
         ]
         exact = not (order == 0 and model.initial == "static")
         found += [
