@@ -86,7 +86,7 @@ def reference_experiments(model: ReducedModel) -> tuple[Experiment, ...]:
     kept = list(range(0, len(model.outputs), -(-len(model.outputs) // OUTPUTS)))
     columns = len(model.inputs) + len(kept)
     n = next((n for n in STEPS if n * columns <= CELLS), STEPS[-1])
-    size = _sizes(model.B)
+    size = _sizes(model.B[model.k :])
     more = max(n / 4 - CYCLES, 0.0)  # four steps in the shortest period
     cycles = CYCLES + more * np.arange(len(size)) / max(len(size), 2)
     held = np.cos(2 * np.pi * np.arange(n + 1)[:, None] / n * cycles)
@@ -151,4 +151,6 @@ def _nudged(model: ReducedModel) -> ReducedModel:
     def nudge(A: Floats) -> Floats:
         return A * (1.0 + 1e-14 * rng.uniform(-1.0, 1.0, A.shape))
 
-    return replace(model, B=nudge(model.B), C=nudge(model.C), R=nudge(model.R))
+    k = model.k  # rows of prescribed motions, which are as they are
+    B = np.concatenate([model.B[:k], nudge(model.B[k:])])
+    return replace(model, B=B, C=nudge(model.C), R=nudge(model.R))

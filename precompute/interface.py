@@ -19,7 +19,7 @@ from .faces import Body
 from .inertia_loads import base_load, gravity_load
 from .moved_part import MovedPart
 from .port_motion import motion
-from .port_rows import DRIVEN, MotionOf, StressOf, direction_of, pair_row, port_rows
+from .port_rows import ACTIONS, DRIVEN, MotionOf, StressOf, direction_of, pair_row, port_rows
 from .ports import PortNodes
 from .pressure import pressure_load
 from .support_reactions import (
@@ -157,7 +157,8 @@ def _motions(
         for key in port.outputs:
             kind, axis = key.split(".")
             if kind in DRIVEN:
-                yield reaction(*shapes[port.name, f"{DRIVEN[kind]}.{axis}"])
+                rows, direct = reaction(*shapes[port.name, f"{DRIVEN[kind]}.{axis}"])
+                yield (-rows, -direct) if kind in ACTIONS else (rows, direct)
                 continue
             base = f"base.acceleration.{axis}" if kind == "absolute_acceleration" else None
             direct = np.array([[float(name == base) for name in inputs]])

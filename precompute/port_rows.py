@@ -14,12 +14,15 @@ StressOf: TypeAlias = Callable[[str], csr_array]
 """The name of a port → the rows (6, n) of its stress in xx, yy, zz, xy, yz, zx (Pa)."""
 
 _ANGULAR = (
-    *("moment", "angular_motion", "reaction_moment"),
+    *("moment", "angular_motion", "reaction_moment", "action_moment"),
     *("rotation", "angular_velocity", "angular_acceleration"),
 )
 
-DRIVEN = {"reaction": "motion", "reaction_moment": "angular_motion"}
-"""The input that each reaction of a port answers to."""
+ACTIONS = {"action": "motion", "action_moment": "angular_motion"}
+"""The input that a port answers to by a force on what moves it: the negative of its reaction."""
+
+DRIVEN = {"reaction": "motion", "reaction_moment": "angular_motion"} | ACTIONS
+"""The input that each reaction and action of a port answers to."""
 
 
 def direction_of(key: str) -> int:

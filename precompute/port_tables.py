@@ -38,8 +38,9 @@ class Port(Table):
     )
     outputs: Annotated[tuple[Output, ...], AfterValidator(distinct)] = Field(
         default=(),
-        description=f"a list of {_RELATIVE}, absolute_acceleration, reaction, reaction_moment, each with .x, "
-        ".y or .z, and stress with .xx, .yy, .zz, .xy, .yz, .zx or .mises, none twice",
+        description=f"a list of {_RELATIVE}, absolute_acceleration, reaction, reaction_moment, action, "
+        "action_moment, each with .x, .y or .z, and stress with .xx, .yy, .zz, .xy, .yz, .zx or .mises, none "
+        "twice",
         examples=['outputs = ["displacement.z"]'],
     )
     weights: Literal["area", "equal"] = Field(

@@ -37,7 +37,7 @@ def check_loops(wires: Sequence[Wire], elements: Mapping[str, Element]) -> None:
     if loop:
         raise SspError(
             f"{loop[0].where}: a rigid loop without force, {_path(loop)}: both sides are told how to move; "
-            f"let one take the reaction of the other as a force, or {JOIN}"
+            f"let one take the action of the other as a force, or {JOIN}"
         )
     loop = _loop(wires, {name: _feedthrough(e.face, e.face.inputs) for name, e in elements.items()})
     if loop:

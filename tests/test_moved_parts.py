@@ -144,6 +144,21 @@ class TestUniformBar:
         assert found == pytest.approx(MASS, rel=1e-6)
 
 
+def test_action_is_against_reaction(tmp_path: Path) -> None:
+    """Actio = reactio, in both twins' kinds: forces and moments, under loads and motions, after steps."""
+    kinds = ("reaction", "action", "reaction_moment", "action_moment")
+    port = root(SIX, str([f"{kind}.{axis}" for kind in kinds for axis in "xyz"]), 'kind = "rigid"')
+    loads = "[loads]\ngravity = true\n"
+    model = reduced(tmp_path, (SUPPORT, ""), (MODES, port + loads + MODES)).model
+    rng = np.random.default_rng(5)
+    found = run(model, [dict(zip(model.inputs, rng.normal(size=len(model.inputs)), strict=True))] * 3, 1e-4)
+    for kind in ("", "_moment"):
+        for axis in "xyz":
+            force = found[f"root.reaction{kind}.{axis}"]
+            assert np.abs(force).min() > 0
+            np.testing.assert_array_equal(found[f"root.action{kind}.{axis}"], -force)
+
+
 EDGE = """[[support]]
 name = "edge"
 at = { box = [[0.0, 0.0, 0.0], [0.0, 0.1, 0.0]] }

@@ -20,7 +20,7 @@ GUIDES = (
 )
 TIP = 'inputs = ["force.x", "force.z"]\noutputs = ["displacement.x", "displacement.z", "velocity.z"]\n'
 PULLED = 'inputs = ["force.x"]\noutputs = ["displacement.x", "acceleration.x"]\n'
-DRIVEN = 'inputs = ["motion.x"]\noutputs = ["displacement.x", "acceleration.x", "reaction.x"]\n'
+DRIVEN = 'inputs = ["motion.x"]\noutputs = ["displacement.x", "acceleration.x", "reaction.x", "action.x"]\n'
 UNDAMPED = ("[damping]\nratio = 0.02\n", "[damping]\nalpha = 0.0\n")
 
 
@@ -86,7 +86,7 @@ def test_one_end_is_told_how_to_move(tmp_path: Path, capsys: pytest.CaptureFixtu
     write_bars(tmp_path)
     joint = (
         ("left.tip.acceleration.x", "right.root.motion.x", 1.0),
-        ("right.root.reaction.x", "left.tip.force.x", -1.0),
+        ("right.root.action.x", "left.tip.force.x", 1.0),
     )
     assert package(tmp_path, *joint) == 0
     assert "each depends on the one before at once" in capsys.readouterr().err

@@ -39,6 +39,8 @@ static const Kind ordinary_outputs[] = {
     {"stress.mises", MISES},
     XYZ("reaction", REACTION),
     XYZ("reaction_moment", REACTION),
+    XYZ("action", REACTION),
+    XYZ("action_moment", REACTION),
     /* of what joins parts: */
     XYZ("force", POSITION),
     XYZ("moment", POSITION),

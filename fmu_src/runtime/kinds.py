@@ -98,6 +98,12 @@ ORDINARY_OUTPUTS: Mapping[str, Output] = {
     "stress.mises": Output("Pa", "von Mises stress at {port}", "mises"),
     **{k: Output("N", f"{text} of {{port}}", "reaction") for k, text in _along("reaction").items()},
     **{k: Output("N.m", f"{text} of {{port}}", "reaction") for k, text in _about("reaction_moment").items()},
+    # the same the other way round, as another part takes them
+    **{f"action.{k}": Output("N", f"force in {k} of {{port}} on what moves it", "reaction") for k in "xyz"},
+    **{
+        f"action_moment.{k}": Output("N.m", f"moment about {k} of {{port}} on what moves it", "reaction")
+        for k in "xyz"
+    },
 }
 # What joins parts has it the other way round: told how its ends move, it gives the forces on them.
 LINK_INPUTS: Mapping[str, Input] = {
