@@ -82,6 +82,12 @@ def describe(path: Path) -> Face:
         with ZipFile(path) as archive:
             archive.getinfo("modelDescription.xml")
         description = fmpy.read_model_description(str(path), validate=False)
+        for variable in description.modelVariables:
+            _number(variable.min), _number(variable.max)
+        experiment = description.defaultExperiment
+        start, stop, step = (
+            _number(experiment and getattr(experiment, key)) for key in ("startTime", "stopTime", "stepSize")
+        )
     except OSError as error:
         raise ModalFmuError(f"{path}: cannot be read ({error.strerror or error})") from None
     except (BadZipFile, KeyError):
@@ -93,10 +99,6 @@ def describe(path: Path) -> Face:
         raise ModalFmuError(
             f"{path}: got FMI {description.fmiVersion} {kind}, expected FMI 2.0 co-simulation"
         )
-    experiment = description.defaultExperiment
-    start, stop, step = (
-        _number(experiment and getattr(experiment, key)) for key in ("startTime", "stopTime", "stepSize")
-    )
     variables = {v.name: v for v in description.modelVariables if v.type in NUMBERS}
     return Face(path, description, variables, start or 0.0, stop, step)
 
@@ -152,7 +154,7 @@ def _checked(where: str, text: str, variable: Any) -> float:
         value = float(text)
     except ValueError:
         raise ModalFmuError(f"{what}, expected a number") from None
-    low, high = _number(variable.min), _number(variable.max)
+    low, high = (0.0, 1.0) if variable.type == "Boolean" else (_number(variable.min), _number(variable.max))
     if not math.isfinite(value):
         raise ModalFmuError(f"{what}, expected a finite number")
     if variable.type != "Real" and value != int(value):
@@ -165,4 +167,6 @@ def _checked(where: str, text: str, variable: Any) -> float:
 
 
 def _number(text: Any) -> float | None:
-    return None if text is None else float(text)
+    """None where there is none, or an infinite one: no bound."""
+    value = None if text is None else float(text)
+    return value if value is not None and math.isfinite(value) else None

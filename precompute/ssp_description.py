@@ -11,7 +11,7 @@ from xml.etree import ElementTree as ET
 from .errors import SspError
 from .ssp_elements import Element
 from .ssp_file import SystemFile
-from .ssp_units import BASES, Unit, unit_of
+from .ssp_units import BASES, Unit, same_unit, unit_of
 from .ssp_wiring import Wire
 
 NAMESPACES = {
@@ -103,9 +103,10 @@ def _add_connectors(parent: ET.Element, listed: Connectors, units: dict[str, Uni
         connector = ET.SubElement(connectors, "ssd:Connector", name=name, kind=kind)
         real = ET.SubElement(connector, "ssc:Real")
         if unit is not None and unit.exponents is not None:  # a unit must be defined in the file
-            if units.setdefault(unit.name, unit) != unit:
+            if not same_unit(units.setdefault(unit.name, unit), unit):
                 raise SspError(
-                    f"two FMUs mean different things by the unit {unit.name}, expected one definition of it"
+                    f"two FMUs mean different things by the unit {unit.name}, one of them that of {name}, "
+                    "expected one definition of it; mend the modelDescription.xml that is wrong"
                 )
             real.set("unit", unit.name)
 
@@ -131,9 +132,11 @@ def _add_connection(parent: ET.Element, wire: Wire) -> None:
             ends[f"{key}Element"] = end.element
         ends[f"{key}Connector"] = end.connector
     connection = ET.SubElement(parent, "ssd:Connection", ends)
-    if not wire.is_plain:
-        # The units are converted by it too, for masters that convert none; others must not do it again.
+    if wire.converted or not wire.is_plain:
+        # The factor converts the units too, for masters that convert none; others must not do it again, not
+        # even where a factor of the user makes 1 of it.
         connection.set("suppressUnitConversion", "true")
+    if not wire.is_plain:
         values = {"factor": repr(wire.factor), "offset": repr(wire.offset)}
         ET.SubElement(connection, "ssc:LinearTransformation", values)
 
@@ -151,8 +154,11 @@ def _add_unit(parent: ET.Element, unit: Unit) -> None:
 def _add_experiment(root: ET.Element, file: SystemFile, elements: Mapping[str, Element]) -> None:
     """Left out: the longest time and the shortest step that the FMU of a component suggests."""
     faces = [elements[component.name].face for component in file.component]
-    stop = file.experiment.stop or max((face.stop for face in faces if face.stop), default=1.0)
-    step = file.experiment.step or min((face.step for face in faces if face.step), default=stop / 1000)
+    stops, steps = (
+        [x for x in told if x and x > 0] for told in ([f.stop for f in faces], [f.step for f in faces])
+    )
+    stop = file.experiment.stop or max(stops, default=1.0)
+    step = file.experiment.step or min(steps, default=stop / 1000)
     experiment = ET.SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(stop))
     annotations = ET.SubElement(experiment, "ssd:Annotations")
     annotation = ET.SubElement(annotations, "ssc:Annotation", type=OSP)

@@ -8,6 +8,7 @@ from pathlib import Path
 from .errors import ModalFmuError, SspError
 from .fmu_face import Face, checked_setting, describe
 from .full_part import Progress
+from .notice import notice
 from .part import read_part
 from .pipeline import Builder, package, reduce_part
 from .spring_damper import spring_damper
@@ -53,7 +54,15 @@ def read_elements(
                 }
             except ModalFmuError as error:
                 raise SspError(str(error)) from None
-            elements[component.name] = Element(path.read_bytes(), face, start)
+            fmu = path.read_bytes()
+            if face.description.coSimulation.canBeInstantiatedOnlyOncePerProcess and any(
+                fmu == other.fmu for other in elements.values()
+            ):
+                notice(
+                    f"component[{k + 1}]: {path.name} can be instantiated once per process only, "
+                    "and it is there twice; a master that runs all FMUs in one process cannot run this system"
+                )
+            elements[component.name] = Element(fmu, face, start)
         for joint in file.spring_damper:
             path = Path(folder, f"{joint.name}.fmu")
             build(spring_damper(joint.name, joint.stiffness, joint.damping), path, {})

@@ -74,12 +74,19 @@ class SystemFile(Table):
 
     def _check_names(self) -> None:
         """Components have names of their own, and so have the connectors of the system."""
-        own_names(
-            [
-                *(("component", k, item.name) for k, item in enumerate(self.component)),
-                *(("spring_damper", k, item.name) for k, item in enumerate(self.spring_damper)),
-            ]
-        )
+        components = [
+            *(("component", k, item.name) for k, item in enumerate(self.component)),
+            *(("spring_damper", k, item.name) for k, item in enumerate(self.spring_damper)),
+        ]
+        own_names(components)
+        files: dict[str, str] = {}
+        for table, k, name in components:
+            other = files.setdefault(name.lower(), name)
+            if other != name:
+                words = f"got {shown(name)} beside {shown(other)}, expected more than another case"
+                raise mistake(
+                    f"{words}: on Windows their FMUs are one file; rename one of them", table, k, "name"
+                )
         own_names(
             [
                 *(("input", k, item.name) for k, item in enumerate(self.input)),

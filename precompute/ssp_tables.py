@@ -20,10 +20,15 @@ def _flat(values: Any) -> Any:
         return values
     flat: dict[str, Any] = {}
     for key, value in values.items():
-        if isinstance(value, Mapping):
-            flat |= {f"{key}.{rest}": one for rest, one in _flat(value).items()}
-        else:
-            flat[key] = float(value) if isinstance(value, bool) else value
+        inner = (
+            {f"{key}.{rest}": one for rest, one in _flat(value).items()}
+            if isinstance(value, Mapping)
+            else {key: value}
+        )
+        for name, one in inner.items():
+            if name in flat:  # "a.b" = 1 beside a.b = 2
+                raise ValueError(name)
+            flat[name] = float(one) if isinstance(one, bool) else one
     return flat
 
 

@@ -8,7 +8,7 @@ from .notice import notice
 from .spring_damper import ENDS
 from .ssp_elements import Element
 from .ssp_file import SystemFile
-from .ssp_units import Unit, conversion, unit_of
+from .ssp_units import Unit, conversion, same_unit, unit_of
 from .toml_table import nearest
 
 
@@ -27,7 +27,8 @@ class End:
 class Wire:
     """target = factor · source + offset.
 
-    unit: of the target, of the source where that is the system's; where: the key in the system file.
+    unit: of the target, of the source where that is the system's; converted: source and target have different
+    units, and factor and offset go from one to the other; where: the key in the system file.
     """
 
     source: End
@@ -36,6 +37,7 @@ class Wire:
     offset: float
     unit: Unit | None
     where: str
+    converted: bool = False
 
     @property
     def is_plain(self) -> bool:
@@ -120,7 +122,7 @@ def _end(elements: Mapping[str, Element], text: str, causality: str, where: str)
     known = [v.name for v in face.variables.values() if v.causality == causality and v.type == "Real"]
     if name in known:
         return End(element, name)
-    variable = face.variables.get(name)
+    variable = next((v for v in face.description.modelVariables if v.name == name), None)
     if variable is None:
         got = f"{element} has no {causality} {name!r}"
     elif variable.causality != causality:
@@ -152,7 +154,7 @@ def _wire(
     if found is None:
         raise SspError(f"{where}: {source} is in {a.name}, {target} in {b.name}, {_mend(a, b, target)}")
     f, o = found
-    return Wire(source, target, factor * f, factor * o + offset, b, where)
+    return Wire(source, target, factor * f, factor * o + offset, b, where, not same_unit(a, b))
 
 
 def _mend(a: Unit, b: Unit, target: End) -> str:

@@ -25,8 +25,13 @@ def describe_fmu(
     depends: Mapping[str, list[str]] | None = None,
     others: str = "",
     units: Mapping[str, str] = UNITS,
+    capabilities: str = "",
+    experiment: str | None = None,
 ) -> Path:
-    """inputs, outputs: name → unit, "" for none. depends: output → inputs, where the FMU tells."""
+    """inputs, outputs: name → unit, "" for none. depends: output → inputs, where the FMU tells.
+
+    capabilities, experiment: attributes of <CoSimulation> and <DefaultExperiment>.
+    """
     inputs, outputs, depends = inputs or {}, outputs or {}, depends or {}
     variables, listed = "", ""
     for k, (name, unit) in enumerate({**inputs, **outputs}.items()):
@@ -39,11 +44,12 @@ def describe_fmu(
             told = f' dependencies="{indices}"' if name in depends else ""
             listed += f'<Unknown index="{k + 1}"{told}/>'
     defined = "".join(f'<Unit name="{name}"><BaseUnit {base}/></Unit>' for name, base in units.items())
+    suggested = "" if experiment is None else f"<DefaultExperiment {experiment}/>"
     text = (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         f'<fmiModelDescription fmiVersion="2.0" modelName="{path.stem}" guid="1">'
-        f'<CoSimulation modelIdentifier="{path.stem}"/>'
-        f"<UnitDefinitions>{defined}</UnitDefinitions><ModelVariables>{variables}{others}</ModelVariables>"
+        f'<CoSimulation modelIdentifier="{path.stem}" {capabilities}/>'
+        f"<UnitDefinitions>{defined}</UnitDefinitions>{suggested}<ModelVariables>{variables}{others}</ModelVariables>"
         f"<ModelStructure><Outputs>{listed}</Outputs></ModelStructure></fmiModelDescription>"
     )
     write_archive(path, {"modelDescription.xml": text.encode()})

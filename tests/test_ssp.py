@@ -7,6 +7,7 @@ from pathlib import Path
 
 import fmpy.ssp
 import pytest
+from described_fmus import describe_fmu
 from fmpy.ssp.ssd import Component, read_ssd
 from foreign_systems import LINEAR, SYSTEM, write_pair
 from lxml import etree
@@ -123,6 +124,40 @@ def test_units_are_converted(
     assert connection.get("suppressUnitConversion") == "true"
     assert float(linear.get("factor")) == pytest.approx(factor, rel=1e-15)
     assert float(linear.get("offset")) == pytest.approx(offset, rel=1e-15)
+
+
+def test_a_factor_that_undoes_the_units(two: Path) -> None:
+    """Numbers go over as they are, and a master that knows units must not multiply by 1000."""
+    text = system_of(["left", "other"], wire("other.f", "left.tip.force.x", "factor = 0.001"))
+    connection = structure(packaged(two, text)).find(".//ssd:Connection", NS)
+    assert connection.get("suppressUnitConversion") == "true"
+    assert len(connection) == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "one", "other"),
+    [
+        ("deg", 'rad="1" factor="0.0174532925199433"', 'rad="1" factor="0.017453292519943295"'),
+        ("rad/s", 's="-1"', 'rad="1" s="-1"'),
+    ],
+)
+def test_one_unit_in_the_words_of_two_tools(tmp_path: Path, name: str, one: str, other: str) -> None:
+    """Digits of a factor and the exponent of rad make no other unit: nothing is converted."""
+    describe_fmu(tmp_path / "a.fmu", {}, {"y": name}, units={name: one})
+    describe_fmu(tmp_path / "b.fmu", {"u": name}, {}, units={name: other})
+    root = structure(packaged(tmp_path, system_of(["a", "b"], wire("a.y", "b.u"))))
+    connection = root.find(".//ssd:Connection", NS)
+    assert connection.get("suppressUnitConversion") is None
+    assert len(connection) == 0
+    assert [unit.get("name") for unit in root.iterfind(".//ssc:Unit", NS)] == [name]
+
+
+@pytest.mark.parametrize("experiment", ['stopTime="INF"', 'stopTime="-5"', 'stepSize="0"', 'stepSize="NaN"'])
+def test_an_experiment_that_no_master_could_run_is_left_out(tmp_path: Path, experiment: str) -> None:
+    path = describe_fmu(tmp_path / "a.fmu", experiment=experiment)
+    root = structure(packaged(tmp_path, system_of([path.stem])))
+    assert root.find("ssd:DefaultExperiment", NS).get("stopTime") == "1.0"
+    assert b'baseStepSize="0.001"' in etree.tostring(root)
 
 
 def test_a_value_that_goes_over_as_it_is(two: Path) -> None:

@@ -91,6 +91,10 @@ def two(tmp_path: Path) -> Path:
         (['[[spring_damper]]\nname = "s"\nstiffness = { w = 1.0 }\n'], "a table of numbers ≥ 0 by direction"),
         (['[[spring_damper]]\nname = "left"\nstiffness = { x = 1.0 }\n'], "the name of component[1] too"),
         (
+            ['[[spring_damper]]\nname = "Left"\nstiffness = { x = 1.0 }\n'],
+            'spring_damper[1].name: got "Left" beside "left", expected more than another case',
+        ),
+        (
             ['[[output]]\nname = "y"\nfrom = "left.mode"\n'],
             "output[1].from: got left.mode, of causality param",
         ),
@@ -111,6 +115,8 @@ def test_what_does_not_fit_is_refused(
         ("{ mood = 1 }", "component[1].start: the FMU has no variable 'mood'; did you mean 'mode'?"),
         ("{ mode = 4 }", "expected at most 3"),
         ("{ mode = 1.5 }", "expected a whole number"),
+        ("{ on = 2 }", "on: got '2.0', expected at most 1"),
+        ('{ "tip.force.x" = 1.0, tip.force.x = 2.0 }', "expected a table of variables with start values"),
         ("{ tip.displacement.x = 1.0 }", "is calculated by the FMU"),
         ('{ mode = "1" }', "expected a table of variables with start values"),
         ("{ tip.force.x = inf }", "expected a table of variables with start values"),
@@ -135,6 +141,35 @@ def test_files_that_are_not_there(two: Path, capsys: pytest.CaptureFixture[str])
     assert "ends in .ssp" in capsys.readouterr().err
     both = system_of(["left"]).replace('fmu = "left.fmu"', 'fmu = "left.fmu"\npart = "left"')
     assert "got part and fmu, expected exactly one of part, fmu" in refused(capsys, two, both)
+
+
+@pytest.mark.parametrize("factor", ["0", "NaN", "INF", "1e-320"])
+def test_units_that_nothing_can_be_converted_by(
+    two: Path, capsys: pytest.CaptureFixture[str], factor: str
+) -> None:
+    unit = f'kg="1" m="1" s="-2" factor="{factor}"'
+    describe_fmu(two / "wrong.fmu", {"u": "Z"}, units={"Z": unit})
+    text = system_of(["left", "wrong"], wire("left.root.reaction.x", "wrong.u"))
+    assert "wrong.fmu: its unit Z has factor" in refused(capsys, two, text)
+
+
+def test_numbers_of_a_description_that_are_none(two: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    describe_fmu(two / "wrong.fmu", experiment='stopTime="soon"')
+    assert "wrong.fmu: its modelDescription.xml cannot be read" in refused(capsys, two, system_of(["wrong"]))
+    describe_fmu(
+        two / "wrong.fmu",
+        others='<ScalarVariable name="x" valueReference="9" causality="input">'
+        '<Real min="low"/></ScalarVariable>',
+    )
+    text = system_of(["wrong"]).replace("wrong.fmu", 'wrong.fmu"\nstart = { x = 1.0 }\n#')
+    assert "wrong.fmu: its modelDescription.xml cannot be read" in refused(capsys, two, text)
+
+
+def test_a_text_is_no_real(two: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = '<ScalarVariable name="s" valueReference="9" causality="output"><String/></ScalarVariable>'
+    describe_fmu(two / "texts.fmu", others=text)
+    said = refused(capsys, two, system_of(["left", "texts"], wire("texts.s", "left.tip.force.x")))
+    assert "got texts.s, of type String, expected a Real; texts has no Real output" in said
 
 
 def test_one_unit_with_two_meanings(two: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -174,6 +209,15 @@ def notices(capsys: pytest.CaptureFixture[str], folder: Path, text: str) -> str:
 )
 def test_notices(two: Path, capsys: pytest.CaptureFixture[str], tables: list[str], expected: str) -> None:
     assert expected in notices(capsys, two, system_of(["left", "right", "other"], *tables))
+
+
+def test_an_fmu_that_there_can_be_only_one_of(two: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    describe_fmu(two / "one.fmu", capabilities='canBeInstantiatedOnlyOncePerProcess="true"')
+    again = '[[component]]\nname = "again"\nfmu = "one.fmu"\n'
+    assert "once per process" not in notices(capsys, two, system_of(["one", "left"]))
+    assert "component[2]: one.fmu can be instantiated once per process only" in notices(
+        capsys, two, system_of(["one"], again)
+    )
 
 
 @pytest.mark.parametrize(
