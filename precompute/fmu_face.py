@@ -33,6 +33,11 @@ class Face:
     step: float | None
 
     @property
+    def is_ours(self) -> bool:
+        """An FMU of a part, or of a spring and damper, that this program wrote."""
+        return (self.description.generationTool or "").startswith("modalfmu")
+
+    @property
     def inputs(self) -> list[str]:
         """Names of the inputs."""
         return [name for name, v in self.variables.items() if v.causality == "input"]

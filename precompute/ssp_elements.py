@@ -32,20 +32,23 @@ def read_elements(
     build: writes the FMUs of parts, springs and dampers. certified: as of `reduce_part`.
     Raises ModalFmuError where a part or an FMU is not valid or a start value is not to be set.
     """
+    # All files are read before the first part is built, which takes longer.
+    faces = {one.fmu: describe(one.fmu) for one in file.component if one.fmu is not None}
+    parts = {one.part: read_part(one.part) for one in file.component if one.part is not None}
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         built: dict[Path, Path] = {}
         elements: dict[str, Element] = {}
         for k, component in enumerate(file.component):
             path = component.fmu
             if component.part is not None:
-                part = read_part(component.part)
+                part = parts[component.part]
                 if part.source not in built:
                     target = Path(folder, f"{len(built)}.fmu")  # the number keeps parts of one name apart
                     reduction = reduce_part(part, progress, certified=certified)
                     built[part.source] = package(reduction, target, progress, build)
                 path = built[part.source]
             assert path is not None  # the table has one of the two
-            face = describe(path)
+            face = faces[path] if path in faces else describe(path)
             where = f"component[{k + 1}].start"
             try:
                 start = {

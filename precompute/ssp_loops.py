@@ -22,18 +22,22 @@ JOIN = "put a [[spring_damper]] between them"
 
 
 def check_loops(wires: Sequence[Wire], elements: Mapping[str, Element]) -> None:
-    """Raises SspError for a loop of loads only, or of motions only; other loops get a notice.
+    """Raises SspError for a loop of loads only, or of motions only, between bodies; others get a notice.
 
-    An output whose dependencies the FMU does not tell depends on every input, for the notice only.
+    Bodies are the FMUs that this program makes. Another may as well be a controller, which takes a reaction
+    and answers with a force: that has a solution. An output whose dependencies the FMU does not tell depends
+    on every input, for the notice only.
     """
+    bodies = {name for name, element in elements.items() if element.face.is_ours}
+    joined = [wire for wire in wires if {wire.source.element, wire.target.element} <= bodies]
     told = {name: _feedthrough(element.face, []) for name, element in elements.items()}
-    loop = _loop([wire for wire in wires if wire.unit is not None and wire.unit.is_load], told)
+    loop = _loop([wire for wire in joined if wire.unit and wire.unit.is_load], told)
     if loop:
         raise SspError(
             f"{loop[0].where}: a rigid loop without motion, {_path(loop)}: neither side is told how to move; "
             f'give one inputs = ["motion.…"], driven by a motion of the other, or {JOIN}'
         )
-    loop = _loop([wire for wire in wires if wire.unit is not None and wire.unit.is_motion], told)
+    loop = _loop([wire for wire in joined if wire.unit and wire.unit.is_motion], told)
     if loop:
         raise SspError(
             f"{loop[0].where}: a rigid loop without force, {_path(loop)}: both sides are told how to move; "
@@ -43,7 +47,7 @@ def check_loops(wires: Sequence[Wire], elements: Mapping[str, Element]) -> None:
     if loop:
         notice(
             f"{_path(loop)}: each depends on the one before at once; a master that does not solve such loops "
-            "delays it by a step, which is stable only where the loop's gain is below 1"
+            f"delays it by a step, which is stable only where the loop's gain is below 1{_joint(loop)}"
         )
 
 
@@ -95,6 +99,17 @@ def _circle(graph: csr_array, start: int) -> list[int]:
     while path[-1] != start:
         path.append(int(before[path[-1]]))
     return path[::-1]
+
+
+def _joint(loop: Sequence[Wire]) -> str:
+    """What else a loop of loads or motions only would be, if all of its FMUs were bodies."""
+    for what, of_one_kind in (
+        ("without motion", all(wire.unit and wire.unit.is_load for wire in loop)),
+        ("without force", all(wire.unit and wire.unit.is_motion for wire in loop)),
+    ):
+        if of_one_kind:
+            return f"; between bodies, none a controller, this is a rigid loop {what}: {JOIN}"
+    return ""
 
 
 def _path(loop: Sequence[Wire]) -> str:

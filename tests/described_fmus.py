@@ -27,10 +27,11 @@ def describe_fmu(
     units: Mapping[str, str] = UNITS,
     capabilities: str = "",
     experiment: str | None = None,
+    tool: str = "another tool",
 ) -> Path:
     """inputs, outputs: name → unit, "" for none. depends: output → inputs, where the FMU tells.
 
-    capabilities, experiment: attributes of <CoSimulation> and <DefaultExperiment>.
+    tool: what made it; capabilities, experiment: attributes of <CoSimulation> and <DefaultExperiment>.
     """
     inputs, outputs, depends = inputs or {}, outputs or {}, depends or {}
     variables, listed = "", ""
@@ -47,7 +48,7 @@ def describe_fmu(
     suggested = "" if experiment is None else f"<DefaultExperiment {experiment}/>"
     text = (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
-        f'<fmiModelDescription fmiVersion="2.0" modelName="{path.stem}" guid="1">'
+        f'<fmiModelDescription fmiVersion="2.0" modelName="{path.stem}" guid="1" generationTool="{tool}">'
         f'<CoSimulation modelIdentifier="{path.stem}" {capabilities}/>'
         f"<UnitDefinitions>{defined}</UnitDefinitions>{suggested}<ModelVariables>{variables}{others}</ModelVariables>"
         f"<ModelStructure><Outputs>{listed}</Outputs></ModelStructure></fmiModelDescription>"

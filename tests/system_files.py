@@ -59,7 +59,7 @@ def refused(capsys: pytest.CaptureFixture[str], folder: Path, text: str) -> str:
 
 
 def write_two(folder: Path) -> Path:
-    """A folder with two FMUs that tell their dependencies: forces in, motions out; and one that does not."""
+    """A folder with two FMUs as of parts, forces in, motions out; one that does not tell its dependencies."""
     for name in ("left", "right"):
         describe_fmu(
             folder / f"{name}.fmu",
@@ -70,6 +70,7 @@ def write_two(folder: Path) -> Path:
                 "tip.acceleration.x": ["tip.force.x", "root.motion.x"],
                 "root.reaction.x": ["tip.force.x", "root.motion.x"],
             },
+            tool="modalfmu",
             others='<ScalarVariable name="mode" valueReference="9" causality="parameter" variability="fixed">'
             '<Integer start="0" min="0" max="3"/></ScalarVariable>'
             '<ScalarVariable name="on" valueReference="9" causality="input" variability="discrete">'

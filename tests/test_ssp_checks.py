@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from described_fmus import UNITS, describe_fmu
+from small_part import write_part
 from system_files import packaged, refused, system_of, wire, write_two
 
 from precompute.cli import main
@@ -172,6 +173,23 @@ def test_a_text_is_no_real(two: Path, capsys: pytest.CaptureFixture[str]) -> Non
     assert "got texts.s, of type String, expected a Real; texts has no Real output" in said
 
 
+def test_all_files_are_read_before_a_part_is_built(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_part(tmp_path)
+    part = '[[component]]\nname = "one"\npart = "part.toml"\n'
+    for other, expected in (
+        ('fmu = "absent.fmu"', "absent.fmu:"),
+        ('part = "absent"', "absent:"),
+    ):
+        text = f'[system]\nname = "s"\n{part}[[component]]\nname = "two"\n{other}\n'
+        (tmp_path / "system.toml").write_text(text, encoding="utf-8")
+        assert main(["ssp", str(tmp_path), "-o", str(tmp_path / "s.ssp")]) == 2
+        said = capsys.readouterr().err
+        assert f"{expected} cannot be read" in said
+        assert "modes of" not in said
+
+
 def test_one_unit_with_two_meanings(two: Path, capsys: pytest.CaptureFixture[str]) -> None:
     describe_fmu(two / "wrong.fmu", {}, {"x": "m"}, units={**UNITS, "m": 'm="1" factor="0.3"'})
     assert "mean different things by the unit m" in refused(capsys, two, system_of(["left", "wrong"]))
@@ -209,6 +227,23 @@ def notices(capsys: pytest.CaptureFixture[str], folder: Path, text: str) -> str:
 )
 def test_notices(two: Path, capsys: pytest.CaptureFixture[str], tables: list[str], expected: str) -> None:
     assert expected in notices(capsys, two, system_of(["left", "right", "other"], *tables))
+
+
+@pytest.mark.parametrize(
+    ("unit", "sensor", "actuator", "expected"),
+    [
+        ("N", "root.reaction.x", "tip.force.x", "rigid loop without motion"),
+        ("m/s2", "tip.acceleration.x", "root.motion.x", "rigid loop without force"),
+    ],
+)
+def test_a_controller_is_no_body(
+    two: Path, capsys: pytest.CaptureFixture[str], unit: str, sensor: str, actuator: str, expected: str
+) -> None:
+    """Feedback of a force or an acceleration is a loop of one quantity with a solution: said, not refused."""
+    describe_fmu(two / "control.fmu", {"y": unit}, {"u": unit}, depends={"u": ["y"]})
+    loop = wire(f"left.{sensor}", "control.y"), wire("control.u", f"left.{actuator}")
+    said = notices(capsys, two, system_of(["left", "control"], *loop))
+    assert "loop's gain is below 1; between bodies, none a controller, this is a " + expected in said
 
 
 def test_an_fmu_that_there_can_be_only_one_of(two: Path, capsys: pytest.CaptureFixture[str]) -> None:
