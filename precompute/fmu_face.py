@@ -14,6 +14,9 @@ import fmpy
 from .errors import ModalFmuError
 
 _PRESCRIBED = re.compile(r"\w+\.prescribed_(displacement|rotation)\.[xyz]")
+_MOTION = re.compile(
+    r"\w+\.start_(displacement|rotation|velocity|angular_velocity)\.[xyz]|modes\.(amplitude|velocity)\[\d+\]"
+)
 NUMBERS = ("Real", "Integer", "Boolean", "Enumeration")
 
 
@@ -46,6 +49,11 @@ class Face:
     def outputs(self) -> list[str]:
         """Names of the outputs."""
         return [name for name, v in self.variables.items() if v.causality == "output"]
+
+    @property
+    def motions(self) -> list[str]:
+        """What sets a part in motion without an input: start values of modes and of moved ports."""
+        return [*filter(_MOTION.fullmatch, self.variables)]
 
     @property
     def amplitudes(self) -> list[str]:

@@ -89,7 +89,7 @@ def simulate(
         if vtu is not None and shape is not None:
             tell("writing the deformed shape", None)
             written.append(write_series(vtu, shape, simulation.time, simulation.q, scale))
-    if signals is None and face.inputs and not {*values} & {*face.inputs}:
+    if signals is None and face.inputs and not {*values} & {*face.inputs, *face.motions}:
         example = f"--set {face.inputs[0]}=1"
         notice(f"no input was given, all keep their start values; add {example}, or --input FILE.csv")
     show(summary(simulation), *(f"{path} written" for path in written))

@@ -102,7 +102,7 @@ def _connectors(file: SystemFile, elements: Mapping[str, Element]) -> Iterator[W
             unit = unit_of(elements[target.element].face, target.connector)
             first = _end(elements, entry.to[0], "input", where)
             other = unit_of(elements[first.element].face, first.connector)
-            if unit != other:
+            if unit != other and not (unit and other and same_unit(unit, other)):
                 raise SspError(
                     f"{where}: {target} is in {_name(unit)}, {first} in {_name(other)}, expected one unit "
                     f"for the input {entry.name}; make two inputs of it"

@@ -11,6 +11,7 @@ from small_part import CELLS, DENSITY, LENGTH, WIDTH, YOUNG, bar, beside, write_
 from fmu_src.runtime.instance import Instance
 from fmu_src.runtime.model import ReducedModel
 from precompute.arrays import Floats
+from precompute.cli import main
 from precompute.fmu_face import read_face
 from precompute.oscillators import Complexes
 from precompute.part import read_part
@@ -327,6 +328,17 @@ def test_two_parts_that_are_joined_are_one(tmp_path: Path) -> None:
 
 def places(names: tuple[str, ...], beginning: str) -> list[int]:
     return [i for i, name in enumerate(names) if name.startswith(beginning)]
+
+
+def test_a_start_velocity_sets_the_part_in_motion(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`modalfmu simulate` does not ask for an input then; with damping set only it does."""
+    reduction = reduced(tmp_path, (SUPPORT, ""), (MODES, root(SIX, "[]", 'kind = "rigid"') + MODES))
+    path = package(reduction, tmp_path / "bar.fmu")
+    for setting in ("root.start_velocity.x=1", "root.start_rotation.y=0.1", "modes.velocity[2]=1"):
+        assert main(["simulate", str(path), "--set", setting, "--stop-time", "1e-3"]) == 0
+        assert "no input was given" not in capsys.readouterr().err
+    assert main(["simulate", str(path), "--set", "damping.alpha=1", "--stop-time", "1e-3"]) == 0
+    assert "no input was given" in capsys.readouterr().err
 
 
 def test_the_deformed_shape_moves_with_the_port(tmp_path: Path) -> None:

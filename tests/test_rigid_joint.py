@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from foreign_masters import run
+from foreign_masters import SAME, has_libraries, run
 from scipy.linalg import expm
 from small_part import CELLS, DENSITY, LENGTH, WIDTH, YOUNG, write_part
 
@@ -102,6 +102,37 @@ def test_one_end_is_told_how_to_move(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert package(tmp_path, joint[0]) == 0
     alone = run("jacobi.py", tmp_path / "bars.ssp", 1000, TIME / 1000, "libcosim")
     assert abs(alone["left.tip.displacement.x"][-1] / exact[0] - 1) > 0.3
+
+
+@has_libraries
+def test_libcosim_and_ecos_run_the_joint(tmp_path: Path) -> None:
+    """They go round the loop at their start as often as they do, 4 times and twice, and then once a step."""
+    write_bars(tmp_path)
+    joint = (
+        ("left.tip.acceleration.x", "right.root.motion.x", 1.0),
+        (
+            "right.root.reaction.x",
+            "left.tip.force.x",
+            -0.3,
+        ),  # a gain of 0.3, as of a lighter bar
+    )
+    assert package(tmp_path, *joint) == 0
+    text = (tmp_path / "system.toml").read_text(encoding="utf-8")
+    text = text.replace('part = "right"', 'part = "right"\nstart = { root.start_velocity.x = 1e-3 }')
+    (tmp_path / "system.toml").write_text(f"{text}[experiment]\nstep = 1e-6\n", encoding="utf-8")
+    path = tmp_path / "bars.ssp"
+    assert main(["ssp", str(tmp_path), "-o", str(path), "--no-certificate"]) == 0
+    for script, master, exchanges in (("libcosim.py", "libcosim", 4), ("ecos.py", "ecos", 2)):
+        found = run(script, path, 300, 1e-6)
+        expected, once_more = (
+            run("jacobi.py", path, 300, 1e-6, master, k) for k in (exchanges, exchanges + 1)
+        )
+        assert {*found} == {*expected}
+        for name, values in found.items():
+            assert abs(values - expected[name]).max() <= SAME * abs(expected[name]).max(), name
+        # the control: one more exchange is seen
+        name = "right.root.reaction.x"
+        assert abs(found[name] - once_more[name]).max() > 1e-3 * abs(found[name]).max()
 
 
 def test_rigid_joints_that_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

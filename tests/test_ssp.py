@@ -152,6 +152,14 @@ def test_one_unit_in_the_words_of_two_tools(tmp_path: Path, name: str, one: str,
     assert [unit.get("name") for unit in root.iterfind(".//ssc:Unit", NS)] == [name]
 
 
+def test_one_input_of_the_system_in_the_words_of_two_tools(tmp_path: Path) -> None:
+    """Both are degrees: one input goes to them."""
+    for name, factor in (("a", "0.0174532925199433"), ("b", "0.017453292519943295")):
+        describe_fmu(tmp_path / f"{name}.fmu", {"u": "deg"}, units={"deg": f'rad="1" factor="{factor}"'})
+    text = system_of(["a", "b"], '[[input]]\nname = "angle"\nto = ["a.u", "b.u"]\n')
+    assert len(structure(packaged(tmp_path, text)).findall(".//ssd:Connection", NS)) == 2
+
+
 @pytest.mark.parametrize("experiment", ['stopTime="INF"', 'stopTime="-5"', 'stepSize="0"', 'stepSize="NaN"'])
 def test_an_experiment_that_no_master_could_run_is_left_out(tmp_path: Path, experiment: str) -> None:
     path = describe_fmu(tmp_path / "a.fmu", experiment=experiment)

@@ -1,9 +1,11 @@
 """The reference: FMPy's FMU2Slave in a plain loop over the FMUs of an SSP (Jacobi, held inputs).
 
-    python jacobi.py FILE.ssp STEPS STEP MASTER
+    python jacobi.py FILE.ssp STEPS STEP MASTER [EXCHANGES]
 
 In each step every FMU gets its inputs, steps, and gives its outputs; then the outputs go over to the inputs.
-MASTER names the one whose habits are to be followed: those of HABITS.
+MASTER names the one whose habits are to be followed: those of HABITS. EXCHANGES: how often outputs go over to
+inputs before the first step; left out: as often as it takes a value to pass through all FMUs, which is enough
+where they form no loop.
 Prints JSON: "COMPONENT.CONNECTOR" of each output → its values after each step.
 """
 
@@ -94,7 +96,7 @@ def times(steps, step, nanoseconds):
             t += step
 
 
-def run(path, steps, step, *, starts, nanoseconds, fresh, at_once):
+def run(path, steps, step, exchanges, *, starts, nanoseconds, fresh, at_once):
     with TemporaryDirectory() as name:
         folder = Path(name)
         extract(path, name)
@@ -116,12 +118,10 @@ def run(path, steps, step, *, starts, nanoseconds, fresh, at_once):
             part.fmu.enterInitializationMode()
             for key, value in part.start.items() if starts else ():
                 part.set(key, value)
-        for _ in parts if starts else ():  # so often that a value passes through all of them
+        for _ in range(exchanges or len(parts) + 1) if starts else ():
             transfer()
         for part in parts.values():
             part.fmu.exitInitializationMode()
-        if starts:
-            transfer()
         for t, h in times(steps, step, nanoseconds):
             for (a, _), (b, y), *_ in joined if at_once else ():
                 if a is None:
@@ -140,5 +140,5 @@ def run(path, steps, step, *, starts, nanoseconds, fresh, at_once):
 
 
 if __name__ == "__main__":
-    path, steps, step, master = sys.argv[1:]
-    print(json.dumps(run(path, int(steps), float(step), **HABITS[master])))
+    path, steps, step, master, *exchanges = sys.argv[1:]
+    print(json.dumps(run(path, int(steps), float(step), sum(map(int, exchanges)), **HABITS[master])))
