@@ -2,7 +2,7 @@
 
 import io
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
@@ -11,6 +11,7 @@ from rich.table import Table
 
 from .certificate import ONE_PERCENT, Certificate, Comparison, percent
 from .frequency_samples import UNSEEN
+from .port_rows import DRIVEN
 
 FOLDER = "extra/modalfmu/accuracy"
 HEAD = ("response", "peak", "largest error found", "at / Hz", "there", "static error", "1 % up to / Hz")
@@ -55,7 +56,18 @@ def certificate_lines(certificate: Certificate) -> list[str]:
             if proved > low
             else "that is an estimate, not a bound"
         ),
+        *_driven(certificate.comparisons),
         *_undamped(certificate.undamped),
+    ]
+
+
+def _driven(comparisons: Sequence[Comparison]) -> list[str]:
+    """What responses to the motions of ports are, as those of the whole motion have no peak at 0 Hz."""
+    if not any(comparison.input in DRIVEN.values() for comparison in comparisons):
+        return []
+    return [
+        "responses to prescribed motions are those relative to the static shape that follows the ports, "
+        "which is exact"
     ]
 
 

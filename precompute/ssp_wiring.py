@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from math import isfinite
 
 from .errors import SspError
 from .notice import notice
@@ -85,12 +86,30 @@ def _joints(file: SystemFile, elements: Mapping[str, Element]) -> Iterator[Wire]
             where = f"spring_damper[{k + 1}].ports[{i + 1}]"
             for name in face.inputs:
                 if name.startswith(f"{end}."):
-                    there = _end(elements, f"{port}.{name.partition('.')[2]}", "output", where)
+                    there = _at_port(elements, port, name.partition(".")[2], "output", where)
                     yield _wire(elements, there, End(joint.name, name), where)
             for name in face.outputs:
                 if name.startswith(f"{end}."):
-                    there = _end(elements, f"{port}.{name.partition('.')[2]}", "input", where)
+                    there = _at_port(elements, port, name.partition(".")[2], "input", where)
                     yield _wire(elements, End(joint.name, name), there, where)
+
+
+def _at_port(elements: Mapping[str, Element], port: str, key: str, causality: str, where: str) -> End:
+    """The variable `key` of a port that a spring takes hold of."""
+    element, _, name = port.partition(".")
+    variables = elements[element].face.variables
+    if f"{name}.{key}" in variables:
+        return _end(elements, f"{port}.{key}", causality, where)
+    ports = [
+        f"{element}.{name.removesuffix(f'.{key}')}"
+        for name, variable in variables.items()
+        if name.endswith(f".{key}") and variable.causality == causality
+    ]
+    near = f", or did you mean {nearest(port, ports)}?" if ports else ""
+    raise SspError(
+        f"{where}: {port} has no {causality} {key!r}, which the spring or damper needs in that direction; "
+        f'add "{key}" to the {causality}s of the port, or leave the direction out{near}'
+    )
 
 
 def _connectors(file: SystemFile, elements: Mapping[str, Element]) -> Iterator[Wire]:
@@ -153,8 +172,12 @@ def _wire(
     found = conversion(a, b)
     if found is None:
         raise SspError(f"{where}: {source} is in {a.name}, {target} in {b.name}, {_mend(a, b, target)}")
-    f, o = found
-    return Wire(source, target, factor * f, factor * o + offset, b, where, not same_unit(a, b))
+    f, o = factor * found[0], factor * found[1] + offset
+    if not (isfinite(f) and isfinite(o)):
+        raise SspError(
+            f"{where}: from {a.name} to {b.name} factor and offset are beyond all numbers; lower them"
+        )
+    return Wire(source, target, f, o, b, where, not same_unit(a, b))
 
 
 def _mend(a: Unit, b: Unit, target: End) -> str:

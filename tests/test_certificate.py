@@ -323,6 +323,7 @@ def test_what_it_prints() -> None:
     assert "largest error found" in lines
     assert "a bound" in lines
     assert "mass captured: x " in lines
+    assert "prescribed motions" not in lines
 
 
 def test_what_goes_into_the_fmu() -> None:

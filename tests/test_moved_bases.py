@@ -10,6 +10,7 @@ from small_part import write_part
 
 from fmu_src.runtime.model import ReducedModel
 from precompute.arrays import Floats
+from precompute.certificate_report import certificate_lines
 from precompute.errors import EigenError, ModalFmuError
 from precompute.part import read_part
 from precompute.pipeline import Reduction, reduce_part
@@ -121,6 +122,7 @@ def test_a_certificate_finds_what_is_missing(tmp_path: Path) -> None:
         )
     assert kinds["stress", "motion"].largest > 1e-3
     assert kinds["reaction_moment", "angular_motion"].peak > 0
+    assert "relative to the static shape" in "\n".join(certificate_lines(certificate))
 
 
 def test_modes_chosen_by_their_error(tmp_path: Path) -> None:

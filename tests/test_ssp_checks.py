@@ -82,7 +82,18 @@ def two(tmp_path: Path) -> Path:
         ),
         (
             ['[[spring_damper]]\nname = "s"\nports = ["left.tip", "right.tip"]\ndamping = { x = 1.0 }\n'],
-            "spring_damper[1].ports[1]: left has no output 'tip.velocity.x'; did you mean",
+            "spring_damper[1].ports[1]: left.tip has no output 'velocity.x', which the spring "
+            'or damper needs in that direction; add "velocity.x" to the outputs of the port, or leave',
+        ),
+        (
+            ['[[spring_damper]]\nname = "s"\nports = ["left.tip", "right.top"]\nstiffness = { x = 1.0 }\n'],
+            "right.top has no output 'displacement.x', which the spring or damper needs in that direction; "
+            'add "displacement.x" to the outputs of the port, or leave the direction out, '
+            "or did you mean right.tip?",
+        ),
+        (
+            [wire("other.f", "left.tip.force.x", "factor = 1e307")],
+            "connection[1]: from kN to N factor and offset are beyond all numbers",
         ),
         (
             ['[[spring_damper]]\nname = "s"\nports = ["left.tip", "left.tip"]\ndamping = { x = 1.0 }\n'],
