@@ -117,3 +117,14 @@ def test_parts_come_together_as_the_step_goes_to_zero(tmp_path: Path) -> None:
     assert errors[-1] < 0.02
     for coarse, fine in pairwise(errors):
         assert 1.8 < coarse / fine < 2.3  # 2 as the step goes to 0
+
+
+def test_a_damper_that_comes_late_drives_fast_motions(tmp_path: Path) -> None:
+    """On average 3/2 steps: −c v(t − 3h/2) has the phase of v beyond ω · 3h/2 = π/2, f = 1/(6h).
+
+    The left one swings at 20 rad/s, 1/(6h) = 3.2 Hz at h = 0.052 s.
+    """
+    path = ssp(tmp_path, SYSTEM.replace(f"stiffness = {{ x = {STIFFNESS} }}\n", ""))
+    for step, grows in ((0.04, False), (0.065, True)):
+        x = run("jacobi.py", path, 200, step, "libcosim")["left.tip.velocity.x"]
+        assert (abs(x[-50:]).max() > 10 * abs(x[:50]).max()) == grows
