@@ -8,6 +8,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from driven import driven
 from examples import everything, oscillator, two_ports
 from scipy.integrate import solve_ivp
 from small_part import write_part
@@ -51,7 +52,7 @@ def with_references(model: ReducedModel, path: Path, of: ReducedModel | None = N
     return build_native_fmu(model, path, write_experiments(reference_experiments(of or model)))
 
 
-@pytest.mark.parametrize("make", [oscillator, two_ports, everything])
+@pytest.mark.parametrize("make", [oscillator, two_ports, everything, driven])
 def test_the_native_fmu_gives_its_reference_results(make: type, tmp_path: Path) -> None:
     found = repeated(with_references(make(), tmp_path / "part.fmu"))
     assert found.keys() == {"step", "signals"}
