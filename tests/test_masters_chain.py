@@ -1,5 +1,6 @@
 """The chain of ten links: its monolithic solution in closed form, then the masters against it."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import chain
@@ -12,6 +13,7 @@ from ready_parts import reduction, table
 from run import run
 from systems import chain_held
 from table import Algorithm
+from threadpoolctl import threadpool_limits
 
 from precompute.pipeline import package
 
@@ -19,11 +21,12 @@ ROWS = {row["master"]: row for row in table("chain", "master")}
 
 
 @pytest.fixture(scope="module")
-def ten(tmp_path_factory: pytest.TempPathFactory) -> Chain:
+def ten(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chain]:
     found = reduction("chain")
     path = package(found, tmp_path_factory.mktemp("chain") / "link.fmu")
     links = tuple(Fmu(path, chain.INPUTS, chain.OUTPUTS) for _ in range(chain.LINKS))
-    return Chain(found.model, links)
+    with threadpool_limits(1):  # for matrices this small, threads take longer than the work
+        yield Chain(found.model, links)
 
 
 def master(ten: Chain, name: str) -> Algorithm:

@@ -103,6 +103,10 @@ class Pair:
         """The largest stable step in s."""
         return largest_stable_step(lambda h: self.radius(algorithm, h), lowest, highest)
 
+    def inside(self) -> float:
+        """T + V of both parts as they are, J."""
+        return float(sum(fmu.get("energy.kinetic", "energy.strain").sum() for fmu in self.fmus))
+
     def energy(self, algorithm: Algorithm, h: float, count: int) -> Floats:
         """T + V of both parts and ½kδ² less the work of the force, of the largest T + V, (count + 1,).
 
@@ -111,7 +115,7 @@ class Pair:
         system = self.system(start=UNDAMPED)
         inside, y = [], []
         for point in points(system, algorithm.step(), algorithm.kind, h, count):
-            inside.append(sum(fmu.get("energy.kinetic", "energy.strain").sum() for fmu in self.fmus))
+            inside.append(self.inside())
             y.append(point.y)
         found: Floats = inside + stored(self.bonds, np.array(y)) - FORCE * np.array(y)[:, 0]
         return found / max(inside)
