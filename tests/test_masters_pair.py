@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from math import pi
 
 import numpy as np
 import pytest
@@ -9,9 +10,11 @@ from coupled import Coupled, Linear
 from extrapolation import ORDER, Kind, observe
 from fixed_point import MOST, TOLERANCE, NotConverged, fixed_point
 from interface_newton import interface_newton, sensitivity
+from monolith import driven, output, sine, trajectory
 from pair import (
     DAMPING,
     END,
+    FORCE,
     INPUTS,
     NAMES,
     OUTPUTS,
@@ -59,6 +62,26 @@ def test_order(pair: Pair, name: str) -> None:
     )
     printed = float(README[name]["error, h = 0.025 ms"])
     assert fine == pytest.approx(printed, rel=0.06)  # two digits
+
+
+@pytest.mark.parametrize("name", ["Jacobi", "Gauss–Seidel", "interface Newton"])
+def test_a_force_that_changes_keeps_the_third_order(pair: Pair, name: str) -> None:
+    """F sin ωt of 100 Hz with its derivatives; where they are left out the order is less."""
+    omega, algorithm = 2 * pi * 100.0, named(pair, f"{name}, derivative")
+    whole = driven(pair.free, {"left.tip.force.z": sine(FORCE, omega)})
+
+    def error(count: int, known: int) -> float:
+        def force(t: float, order: int) -> Floats:
+            F = FORCE * omega**order * np.sin(omega * t + order * pi / 2)
+            return np.array([F if order <= known else 0.0, 0.0])
+
+        system = Coupled(pair.system().parts, Linear(pair.L, force))
+        _, y = run(system, algorithm.step(), "derivative", END / count, count)
+        exact = output(whole, trajectory(whole, END / count, count), "left.tip.displacement.z")
+        return float(np.abs(y[:, 0] - exact).max() / np.abs(exact).max())
+
+    assert np.log2(error(200, 2) / error(400, 2)) == pytest.approx(3.0, abs=0.3)
+    assert np.log2(error(200, 0) / error(400, 0)) < 2.5
 
 
 def coefficients(pair: Pair, name: str, h: float) -> tuple[Floats, Floats, list[Floats]]:
@@ -216,6 +239,10 @@ def test_fixed_points_are_found_where_the_iteration_contracts(pair: Pair) -> Non
 
     limit = 1e-3 * float(README["fixed point, hold"]["largest stable h / ms"])
     assert contraction(0.98 * limit) < TOLERANCE ** (1 / MOST) < contraction(1.02 * limit)
+    # beyond, nothing has happened to the parts
+    with pytest.raises(NotConverged):
+        fixed_point("hold")(system, point, 1.02 * limit)
+    np.testing.assert_array_equal(system.y(), point.y)
     # below, û is that of Newton's method to the tolerance, over the contraction's distance from 1
     ends = [
         run(pair.system(), make("hold"), "hold", 0.8 * limit, 3)[1]

@@ -78,12 +78,17 @@ class Pair:
         return Coupled(self.fmus, Linear(self.L, lambda t, order: np.array([force * (order == 0), 0.0])))
 
     @cached_property
-    def whole(self) -> Monolith:
-        """Both models as one."""
+    def free(self) -> Monolith:
+        """Both models as one, no force."""
         ports = {n: tuple(p for p in m.ports if p.name == "tip") for n, m in self.models.items()}
         bodies = {n: reduced_body(replace(m, ports=ports[n])) for n, m in self.models.items()}
         joint = joined(together(bodies), "left.tip.z", "right.tip.z", self.k, self.c)
-        return driven(monolith(joint), {"left.tip.force.z": polynomial(FORCE)})
+        return monolith(joint)
+
+    @cached_property
+    def whole(self) -> Monolith:
+        """The same under the force."""
+        return driven(self.free, {"left.tip.force.z": polynomial(FORCE)})
 
     def masters(self) -> list[Algorithm]:
         """All of them."""
