@@ -1,18 +1,22 @@
 """Two beams joined rigidly: what fails at every step and why, orders, stable steps, gap, energy."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import pi, sqrt
 
 import numpy as np
 import pytest
 from fixed_point import NotConverged
-from joint import DRIVEN, DRIVING, END, Beams, Method, build, frequencies, full
+from joint import DRIVEN, DRIVING, END, MODELS, Beams, Method, build, frequencies, full
+from linear_part import state_space
 from ready_parts import table
 from run import points
 from step_map import spectral_radius, step_map
 from threadpoolctl import threadpool_limits
 
 from fmu_src.runtime.model import Floats
+from precompute.part import read_part
+from precompute.pipeline import reduce_part
 
 README = {row["master"]: row for row in table("joint", "master")}
 PRESCRIBED = (
@@ -95,6 +99,20 @@ def test_held_accelerations_are_unstable_at_any_step(beams: Beams) -> None:
     method = named(beams, "interface Newton, hold")
     growth = np.array([method.radius(h) - 1 for h in (2e-6, 4e-6, 8e-6)])
     assert growth / np.array([2e-6, 4e-6, 8e-6]) ** 2 == pytest.approx(7e6, rel=0.05)
+
+
+def test_a_rigid_joint_without_damping_is_unstable_if_slowly(beams: Beams) -> None:
+    """ρ = 1 + 23 (h/ms)⁴ as in the README: what it is stable by is the damping of the beams."""
+    models = [reduce_part(read_part(MODELS / "joint" / f"{name}.toml")).model for name in ("left", "right")]
+    bare = [
+        state_space(replace(model, alpha=0.0, beta=0.0), *names)
+        for model, names in zip(models, (DRIVING, DRIVEN), strict=True)
+    ]
+    way, h = replace(beams.motion, spaces=bare), np.array([1.25e-5, 2.5e-5, 5e-5])
+    method = replace(named(beams, "rigid joint"), way=way)
+    growth = np.array([method.radius(one) - 1 for one in h])
+    assert growth / h**4 == pytest.approx(23.3e12, rel=0.03)
+    assert named(beams, "rigid joint").radius(h[-1]) < 1
 
 
 @pytest.mark.parametrize("name", WORKING)

@@ -15,7 +15,8 @@ def interface_newton(kind: Kind, law_of: Callable[[Coupled, Point, float], Law] 
     """û ← û − (g′S − I)⁻¹ (g(t+h, y) − û) with S = ∂y(t+h)/∂û, g′ = ∂g/∂y.
 
     The parts are linear: S depends on h only and is kept, and where g is linear too one correction is all.
-    No step is too large for it; the order is that of `fixed_point`, to which it converges.
+    It needs no contraction, and has the order of `fixed_point`, to whose û it comes. Not converged means that
+    TOLERANCE is less than what rounding leaves, times the gain of a loop that feeds through.
     """
     kept: dict[tuple[Coupled, float], Floats] = {}
 
