@@ -10,6 +10,7 @@ from coupled import Coupled, Linear
 from extrapolation import ORDER, Kind, observe
 from fixed_point import MOST, TOLERANCE, NotConverged, fixed_point
 from interface_newton import interface_newton, sensitivity
+from jacobi import jacobi
 from monolith import driven, output, sine, trajectory
 from pair import (
     DAMPING,
@@ -27,6 +28,7 @@ from pair import (
 )
 from ready_parts import table
 from run import points, run
+from step_doubling import coarse
 from step_map import spectral_radius, step_map
 from table import Algorithm, errors
 from threadpoolctl import threadpool_limits
@@ -297,6 +299,23 @@ def test_power_bonds_are_stable_at_every_step(pair: Pair) -> None:
     assert README["power bond"]["largest stable h / ms"] == "any"
     for h in np.geomspace(1e-6, 1e2, 25):
         assert pair.radius(bond, h) <= 1 + 1e-9
+
+
+def test_a_whole_step_errs_four_times_as_much_as_two_halves(pair: Pair) -> None:
+    """2ᵖ, p = 2, of linear inputs by the slope of a step as long; by that over h/2 it would be 2.8."""
+    system, step, h = pair.system(), jacobi("linear"), 1e-5
+    made = [*points(system, step, "linear", h / 2, 500)]
+    with system.saved() as roll_back:
+        halves = step(system, step(system, made[-1], h / 2), h / 2).y
+        roll_back()
+        whole = step(system, coarse(made), h).y
+        roll_back()
+        fine = observe(system, "derivative", made[-1].t)
+        for _ in range(16):
+            fine = interface_newton("derivative")(system, fine, h / 16)
+    velocities = slice(1, None, 2)
+    errors = [np.abs(y - fine.y)[velocities] for y in (whole, halves)]
+    np.testing.assert_allclose(errors[0] / errors[1], 4.0, rtol=0.1)  # ωh of the highest mode is 0.2
 
 
 def test_steps_of_a_tolerance(pair: Pair) -> None:
