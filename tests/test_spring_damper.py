@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from native_fmu import CO_SIMULATION, MODEL_EXCHANGE, OK, native_fmu
+from native_fmu import CO_SIMULATION, ERROR, MODEL_EXCHANGE, OK, native_fmu
 
 from fmu_src.runtime.instance import Instance
 from fmu_src.runtime.model import ReducedModel
@@ -78,6 +78,18 @@ def test_directional_derivatives_and_states() -> None:
     assert one.call("Reset") == OK
     one.initialise()
     assert not one.get(*FORCES).any()
+    one.free()
+
+
+@pytest.mark.parametrize(
+    "call", ["GetContinuousStates", "SetContinuousStates", "GetDerivatives", "GetNominalsOfContinuousStates"]
+)
+def test_no_array_of_no_states(call: str) -> None:
+    """malloc(0) may be NULL, and a tool may pass it on; with a number of states it is wrong."""
+    one = native_fmu(mount).instance(MODEL_EXCHANGE).initialise(MOTION)
+    one.must("EnterContinuousTimeMode")
+    assert one.call(call, None, 0) == OK
+    assert one.call(call, None, 1) == ERROR
     one.free()
 
 
