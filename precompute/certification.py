@@ -28,12 +28,18 @@ def certificate_of(
 ) -> Certificate | None:
     """The reduced model against the full one; none for a body that can only move rigidly.
 
+    A notice where damping drags a part whose ports are moved: what velocities add is not compared.
     A warning tells what to change where [accuracy] or the error of [modes] is missed.
     """
     band = _band(part, basis)
     if band is None:
         notice("accuracy: got no elastic mode, so there is no band to compare over; give [accuracy] band")
         return None
+    if model.drag(model.alpha).any():
+        notice(
+            "accuracy: responses to prescribed motions are compared for their accelerations alone, without "
+            "what alpha, dashpots or a damping matrix add by velocities, most of all below f = alpha/2pi"
+        )
     tolerance = _tolerance(part)
     reference = basis.reference
     if reference is None or band != part.modes.band or tolerance < (part.modes.error or 0.0):

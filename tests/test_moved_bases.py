@@ -1,5 +1,6 @@
 """Any basis, choice of modes and certificate of a part whose ports are moved, against all of its modes."""
 
+import logging
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from fmu_src.runtime.model import ReducedModel
 from precompute.arrays import Floats
 from precompute.certificate_report import certificate_lines
 from precompute.errors import EigenError, ModalFmuError
+from precompute.notice import LOGGER_NAME
 from precompute.part import read_part
 from precompute.pipeline import Reduction, reduce_part
 from precompute.transfer import blocks_of, spectral_norms
@@ -123,6 +125,20 @@ def test_a_certificate_finds_what_is_missing(tmp_path: Path) -> None:
     assert kinds["stress", "motion"].largest > 1e-3
     assert kinds["reaction_moment", "angular_motion"].peak > 0
     assert "relative to the static shape" in "\n".join(certificate_lines(certificate))
+
+
+@pytest.mark.parametrize(
+    ("damping", "told"), [("beta = 1e-6", False), ("ratio = 0.01", False), ("alpha = 50.0", True)]
+)
+def test_what_a_certificate_does_not_compare_is_told(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, damping: str, told: bool
+) -> None:
+    """What damping adds by the velocities of ports: of β and of ratios nothing, αM drags."""
+    changes = ((SUPPORT, ""), MEASURED, (RATIO, f"[damping]\n{damping}\n"))
+    with caplog.at_level(logging.INFO, LOGGER_NAME):
+        found = reduced(tmp_path, *changes, (MODES, CLAMP + "[modes]\ncount = 3\n"), certified=True)
+    assert found.certificate is not None
+    assert ("compared for their accelerations alone" in caplog.text) == told
 
 
 def test_modes_chosen_by_their_error(tmp_path: Path) -> None:
