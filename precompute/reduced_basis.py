@@ -42,6 +42,8 @@ def basis_of(
     assert solve is not None  # residual vectors are static solutions
     # a dashpot loads the part like an input: without its static shape, stress beside it would be missed
     loads = [interface.b.toarray(), *(w.T.toarray() for w, _ in connection.own_dashpots)]
+    if interface.moved is not None and connection.system.D is not None:  # it drags the part by −DΨ ṡ
+        loads.append(connection.held.T.T @ (connection.system.D @ interface.moved.Psi))
     return replace(chosen, modes=with_residual_modes(chosen.modes, np.column_stack(loads), solve))
 
 
