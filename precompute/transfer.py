@@ -19,7 +19,7 @@ class Lines:
     """The lines of H: outputs that are linear in the motion; von Mises stresses stand as their six parts.
 
     names, kinds, units: of each line, (p) each; laws: "position", "velocity", "acceleration" or "reaction";
-    rows: (p,) its row of C and R, a reaction's first of two.
+    rows: (p,) its row of C and R, a reaction's first of three, the last of which modes have no part in.
     """
 
     names: tuple[str, ...]
