@@ -158,6 +158,17 @@ def test_modes_chosen_by_their_error(tmp_path: Path) -> None:
     assert np.max(np.abs(H - H_r)) < 0.01 * np.max(np.abs(H))
 
 
+@pytest.mark.parametrize(("port", "carried"), [(CLAMP, True), ("", False)], ids=["moved", "free"])
+def test_a_base_carries_the_ports_that_are_moved(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, port: str, carried: bool
+) -> None:
+    """They move relative to it, so it moves a part without supports; one without either it does not."""
+    loads = '[loads]\nbase = ["x"]\n\n'
+    with caplog.at_level(logging.WARNING, LOGGER_NAME):
+        reduced(tmp_path, (SUPPORT, ""), (MODES, port + loads + MODES))
+    assert ("moves the frame of reference but not the part" in caplog.text) != carried
+
+
 def test_a_support_that_holds_the_motion_is_told(tmp_path: Path) -> None:
     port = root('["motion.x"]')
     with pytest.raises(ModalFmuError) as caught:
