@@ -23,7 +23,8 @@ from precompute.part import read_part
 from precompute.pipeline import Reduction, reduce_part, silent
 
 TURN = np.array([[2.0, 1.0, 2.0], [-2.0, 2.0, 1.0], [-1.0, -2.0, 2.0]]) / 3  # no axis along the beam
-FRAME = straight(Beam(E=2e9, G=8e8, rho=1200.0, A=4e-4, Iy=1.2e-8, Iz=2.5e-8, J=3e-8), 1.2, 5, TURN)
+BEAM = Beam(E=2e9, G=8e8, rho=1200.0, A=4e-4, Iy=1.2e-8, Iz=2.5e-8, J=3e-8)
+FRAME = straight(BEAM, 1.2, 5, TURN)
 N = 36
 SPRING, GROUND, INNER, MASS, ALPHA, BETA = 4e3, 30.0, 12.0, 0.3, 2.0, 3e-5
 
@@ -230,6 +231,24 @@ def test_a_dashpot_between_ports_at_rest_loads_no_mode(tmp_path: Path) -> None:
     assert between[0].nnz == 0
     assert between[1] == GROUND
     assert turning[0].nnz == 1  # of the knee alone: the end turns as it is told
+
+
+def test_a_part_that_follows_as_a_rigid_body_is_not_dragged(tmp_path: Path) -> None:
+    """D of two of the five beams, which rest as the port takes them along: 0, not the last printed digits."""
+    D = np.zeros((N, N))
+    D[:18, :18] = 1e-4 * straight(BEAM, 0.48, 2, TURN).K.toarray()
+    for name, A, digits in (("K", FRAME.K, 17), ("M", FRAME.M, 17), ("D", csr_array(D), 13)):
+        mmwrite(tmp_path / f"{name}.mtx", A, precision=digits)
+    write_dofs(tmp_path / "dofs.csv", FRAME.node + 1, FRAME.direction, FRAME.points[FRAME.node])
+    six = [f"{kind}.{axis}" for kind in ("motion", "angular_motion") for axis in "xyz"]
+    (tmp_path / "part.toml").write_text(
+        '[part]\nname = "frame"\n[system]\nstiffness = "K.mtx"\nmass = "M.mtx"\ndamping = "D.mtx"\n'
+        'dofs = "dofs.csv"\n[[port]]\nname = "end"\nat = { nodes = [6] }\n'
+        f'inputs = {six}\noutputs = ["reaction.x"]\n[modes]\ncount = 12\n'
+    )
+    model = reduce_part(read_part(tmp_path)).model
+    np.testing.assert_array_equal(model.D_rest[:, :6], 0.0)
+    assert np.diag(model.D_rest)[6:].max() > 100.0  # 1/s: it does damp the modes
 
 
 def test_a_rigid_port_of_one_node_is_the_node(tmp_path: Path) -> None:
