@@ -39,7 +39,7 @@ def check(
     steps
         How many steps a run takes.
     patience
-        How long a group of checks may take, in s.
+        How long a group of checks may take, in s; a call that takes a quarter of it hangs.
     """
     from .check.report import as_json, tables
     from .check.verdict import check_fmu
@@ -51,7 +51,7 @@ def check(
     with progress() as tell:
         verdict = check_fmu(fmu, steps, patience, progress=tell)
     if json_:
-        print(json.dumps(as_json(verdict), indent=1, ensure_ascii=False))
+        print(json.dumps(as_json(verdict), indent=1))
     else:
         show(*tables(verdict))
     return 0 if verdict.good else 1

@@ -7,6 +7,7 @@ import stat
 import struct
 import subprocess
 import sys
+import tempfile
 import zipfile
 from collections.abc import Callable, Mapping
 from functools import cache
@@ -76,7 +77,10 @@ def names(verdict: Verdict) -> set[str]:
 def test_nothing_is_found_in_the_native_twin(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     fmu = build_native_fmu(everything(), tmp_path / "native.fmu")
     assert main(["check", str(fmu), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
+    said = capsys.readouterr()
+    assert said.out.isascii()  # also where the terminal knows no more
+    assert said.err == ""
+    told = json.loads(said.out)
     assert told["findings"] == []
     assert told["good"]
     left_out = {skip["check"]: skip["why"] for skip in told["not_checked"]}
@@ -86,13 +90,20 @@ def test_nothing_is_found_in_the_native_twin(tmp_path: Path, capsys: pytest.Capt
     assert sorted([*told["checked"], *left_out]) == sorted(EVERY)
 
 
-def test_what_is_found_in_the_python_twin_is_pythonfmus(tmp_path: Path) -> None:
+def test_what_is_found_in_the_python_twin_is_pythonfmus(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """It crashes at two URIs and without its callbacks; the checks behind these are made all the same."""
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
+    monkeypatch.setenv("TMPDIR", str(temporary))
     verdict = check_fmu(build_python_fmu(two_ports(), tmp_path / "python.fmu"), steps=8)
     assert {name for name in names(verdict) if DEMANDS[name].severity != "note"} == PYTHONFMU
     assert sum("crashed with SIGSEGV" in finding.got for finding in verdict.findings) == 3
     assert not [skip for skip in verdict.skipped if FAULT in skip.why]
     assert sorted([*verdict.made, *(skip.check for skip in verdict.skipped)]) == sorted(EVERY)
+    assert not list(temporary.iterdir())  # neither of processes that crashed
 
 
 def test_a_plain_slave_of_pythonfmu_is_told_its_faults(tmp_path: Path) -> None:
@@ -296,6 +307,20 @@ def test_the_end_of_the_process_is_a_finding(
     assert result.made == ("functions", "first-step", "unload")
 
 
+def test_what_is_slow_does_not_hang(good: Path, tmp_path: Path) -> None:
+    """Every call returns, but all of them take longer than the patience; what is left is checked."""
+    unpack(good, tmp_path / "fmu")
+    calls = "\n".join(f"int fmi2{call}(void) {{ usleep(300000); return 0; }}" for call in CALLS)
+    source = "#include <unistd.h>\n" + STUB % "usleep(1)" + calls
+    binary(tmp_path / "fmu", read_description(tmp_path / "fmu")).write_bytes(compiled(source))
+    result = run_group(tmp_path / "fmu", "begin", 4, 2.0)
+    assert result.findings == ()
+    assert [(skip.check, skip.why[:30]) for skip in result.skipped] == [
+        ("first-step", "it took longer than 2 s; give ")
+    ]
+    assert result.made == ("functions", "unload")
+
+
 def test_one_instance_for_each_process_where_there_can_be_no_more(good: Path, tmp_path: Path) -> None:
     old = "<CoSimulation "
     once = changed(good, tmp_path / "once.fmu", old, f'{old}canBeInstantiatedOnlyOncePerProcess="true" ')
@@ -343,6 +368,22 @@ def test_runs_differ_where_they_do(good: Path, tmp_path: Path) -> None:
     assert "after step 1" in (difference(run, fresh_run(fmu, 8, phase=1.0)) or "")
     with pytest.raises(Refused, match=r"fmi2SetReal gave fmi2Error: .*it cannot be set"):
         fmu.slave().set({next(v for v in fmu.description.variables if v.causality == "output"): 1.0})
+
+
+def test_a_stop_time_that_never_comes(good: Path, tmp_path: Path) -> None:
+    """Some exporters write the largest double."""
+    unpack(good, tmp_path / "fmu")
+    far = dataclasses.replace(read_description(tmp_path / "fmu"), stop=sys.float_info.max, step=1e-9)
+    assert Fmu(tmp_path / "fmu", far, 24, lambda call: None).steps == 24
+
+
+def test_an_fmu_without_reals_is_not_asked_for_them(good: Path, tmp_path: Path) -> None:
+    """A call for no variables is legal in every mode that has the call."""
+    unpack(good, tmp_path / "fmu")
+    bare = dataclasses.replace(read_description(tmp_path / "fmu"), variables=())
+    asked = {check.name for check in GROUPS["calls"] if check.hindrance(bare) is None}
+    left_out = {check.name for check in GROUPS["calls"]} - asked
+    assert {name.split()[0] for name in left_out} == {"set-after-terminate", "get-before-initialisation"}
 
 
 def test_every_finding_has_its_demand_and_its_line_in_the_readme() -> None:

@@ -38,8 +38,7 @@ def first_step(fmu: Fmu) -> Iterator[Finding]:
         run(fmu, slave, 0, 1)
         slave.must("Terminate")
     except Refused as refused:
-        guessed = "" if fmu.description.step else f"; the FMU names no stepSize, so {fmu.h:g} s were tried"
-        yield Finding("first-step", f"{refused}{guessed}")
+        yield Finding("first-step", f"{refused}{fmu.guessed}")
         return
     slave.free()
 

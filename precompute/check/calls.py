@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from ctypes import c_double, c_uint
 
 from .check import Check
+from .description import Description
 from .driver import Fmu, Slave
 from .finding import Demand, Finding
 from .runs import run
@@ -37,7 +38,11 @@ def illegal(name: str, mode: str, call: str, said: str) -> Check:
             yield Finding(name, f"fmi2{call} {said} gave fmi2OK, and nothing was logged")
         slave.free()
 
-    return Check(f"{name} {said}", check, crash=name)
+    def hindrance(description: Description) -> str | None:
+        asks = call in ("GetReal", "SetReal") and all(v.type != "Real" for v in description.variables)
+        return "there is no Real" if asks else None
+
+    return Check(f"{name} {said}", check, hindrance, crash=name)
 
 
 def _arguments(fmu: Fmu, mode: str, call: str) -> tuple[object, ...]:

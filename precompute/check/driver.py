@@ -29,6 +29,8 @@ from .library import (
     status_name,
 )
 
+MOST = 1 << 30  # steps, where the stop time is far away
+
 
 class Refused(Exception):
     """A legal call was not answered by fmi2OK or fmi2Warning."""
@@ -194,8 +196,14 @@ class Fmu:
         length = None if description.stop is None else description.stop - self.start
         usual = length / 1000 if length is not None and length > 0 else 1e-2
         self.h = description.step if description.step is not None and description.step > 0 else usual
-        self.most = 1 << 30 if length is None or length <= 0 else max(2, int(length / self.h * (1 + 1e-9)))
+        most = float(MOST) if length is None or length <= 0 else length / self.h * (1 + 1e-9)
+        self.most = max(2, int(min(most, MOST)))
         self.steps = min(steps, self.most)
+
+    @property
+    def guessed(self) -> str:
+        """What to say of a step that the FMU may not be made for; empty where it names its size."""
+        return "" if self.description.step else f"; the FMU names no stepSize, so {self.h:g} s were tried"
 
     @property
     def spent(self) -> bool:

@@ -5,6 +5,7 @@ FMU: the unpacked folder; STEPS: of a run; STATE: the bytes; the values after ea
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
@@ -53,6 +54,8 @@ def elsewhere(fmu: Fmu) -> Iterator[Finding]:
 
 def main(folder: str, steps: str, state: str, values: str) -> None:
     """Take up the state and go on."""
+    if hasattr(signal, "alarm"):  # it ends by itself, should the process that waits for it be ended before
+        signal.alarm(int(PATIENCE) + 1)
     fmu = Fmu(Path(folder), read_description(Path(folder)), int(steps), lambda call: None)
     slave = fmu.slave().initialise(fmu.start)
     told: object

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,11 +13,13 @@ from tempfile import TemporaryDirectory
 from .child import AGAIN, END
 from .finding import Finding, Skipped
 from .groups import GROUPS
-from .journal import last_note
+from .journal import last_note, notes
 
 # freed and new memory is filled with a pattern by glibc, so that using either shows
 ENVIRONMENT = {"MALLOC_PERTURB_": "165", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 HANGS = 2  # in a group, then it is left
+LAST = 0.25  # of the patience: a call that takes all of it hangs
+SLOW = "slow"
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,13 @@ def run_group(folder: Path, group: str, steps: int, patience: float) -> Result:
             if end is None and current == AGAIN:
                 continue
             end = end or "ended the process by itself"
+            if end == SLOW and current in names:
+                hangs += 1
+                why = f"it took longer than {patience:g} s; give it more by --patience"
+                skipped.append(Skipped(current, why))
+                if hangs >= HANGS:
+                    break
+                continue
             what = last_note(work / "journal")
             place_of_it = f" in {what}" if what else ""
             if current in names:
@@ -62,7 +72,7 @@ def run_group(folder: Path, group: str, steps: int, patience: float) -> Result:
             if hangs >= HANGS:
                 break
     not_made = [name for name in names if name not in made]
-    skipped += [Skipped(name, "the FMU crashes or hangs too often") for name in not_made]
+    skipped += [Skipped(name, "the FMU crashes, hangs or is slow too often") for name in not_made]
     left_out = {skip.check for skip in skipped}
     return Result(
         tuple(dict.fromkeys(findings)), tuple(name for name in made if name not in left_out), tuple(skipped)
@@ -70,7 +80,7 @@ def run_group(folder: Path, group: str, steps: int, patience: float) -> Result:
 
 
 def _run(work: Path, arguments: list[str], patience: float) -> str | None:
-    """None where the process ended well, else how it ended."""
+    """None where the process ended well, SLOW where its calls return but take too long, else how it ended."""
     (work / "results").write_text("", encoding="utf-8")
     with (work / "said").open("wb") as said:
         process = subprocess.Popen(
@@ -79,14 +89,21 @@ def _run(work: Path, arguments: list[str], patience: float) -> str | None:
             stdout=subprocess.DEVNULL,
             stderr=said,
             cwd=work,
-            env={**os.environ, **ENVIRONMENT, "PYTHONPATH": _search_path()},
+            env={**os.environ, **ENVIRONMENT, "PYTHONPATH": _search_path(), **_temporary(work)},
         )
+        before = 0
         try:
-            code = process.wait(patience)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-            return f"no answer for {patience:g} s"
+            for part in (1 - LAST, LAST):
+                before = notes(work / "journal")
+                with suppress(subprocess.TimeoutExpired):
+                    process.wait(part * patience)
+        finally:  # also where the user breaks it off
+            if (code := process.poll()) is None:
+                process.kill()
+                process.wait()
+        if code is None:
+            hangs = notes(work / "journal") == before
+            return f"no answer for {patience:g} s" if hangs else SLOW
     if code == 0:
         return None
     text = (work / "said").read_text(encoding="utf-8", errors="replace").strip()
@@ -94,6 +111,11 @@ def _run(work: Path, arguments: list[str], patience: float) -> str | None:
     if code < 0:
         return f"crashed with {signal.Signals(-code).name}{words}"
     return f"ended the process with exit code {code}{words}"
+
+
+def _temporary(work: Path) -> dict[str, str]:
+    """What a process leaves behind that crashes or is ended goes with the folder of its group."""
+    return dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(work))
 
 
 def _search_path() -> str:

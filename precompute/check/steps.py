@@ -86,7 +86,8 @@ def independent(fmu: Fmu) -> Iterator[Finding]:
     slave = fmu.slave().initialise(fmu.start)
     for k, row in enumerate(run(fmu, slave, 0, fmu.steps)):
         if abs(float(row[time]) - fmu.point(k + 1)) > 1e-6 * fmu.h:
-            yield Finding("time-variable", f"{time.name} is {shown(row[time])} at {fmu.point(k + 1):.10g} s")
+            seen = f"{time.name} is {shown(row[time])} at {fmu.point(k + 1):.10g} s"
+            yield Finding("time-variable", f"{seen}{fmu.guessed}")
             break
     slave.free()
 
@@ -98,7 +99,8 @@ def status(fmu: Fmu) -> Iterator[Finding]:
     reached, wants = c_double(-1.0), c_int(-1)
     known = slave.call("GetRealStatus", LAST_SUCCESSFUL_TIME, ctypes.byref(reached)) == OK
     if known and not abs(reached.value - fmu.point(3)) <= 1e-6 * fmu.h:
-        yield Finding("step-status", f"fmi2LastSuccessfulTime is {reached.value:g} s at {fmu.point(3):g} s")
+        seen = f"fmi2LastSuccessfulTime is {reached.value:g} s at {fmu.point(3):g} s"
+        yield Finding("step-status", f"{seen}{fmu.guessed}")
     if slave.call("GetBooleanStatus", TERMINATED, ctypes.byref(wants)) == OK and wants.value != 0:
         yield Finding("step-status", "fmi2Terminated is true after a step of fmi2OK")
     slave.free()
