@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 from .runtime.model import ReducedModel
-from .runtime.variables import Variable, variables
+from .runtime.variables import Variable, layout, variables
 from .structure import structure
 
 SI = {  # exponents of the SI base units
@@ -74,7 +74,7 @@ def model_description(model: ReducedModel, twin: Twin, guid: str) -> bytes:
     stop, step = default_experiment(model)
     ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime=repr(stop), stepSize=repr(step))
     _add_variables(root, listed)
-    _add_structure(root, model)
+    _add_structure(root, model, states=_knows_states(twin))
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()
@@ -135,8 +135,19 @@ def _number(value: str | float) -> str:
     return repr(int(value)) if isinstance(value, int) else repr(float(value))
 
 
-def _add_structure(root: ET.Element, model: ReducedModel) -> None:
-    found = structure(model)
+def _knows_states(twin: Twin) -> bool:
+    """Whether states are among the knowns that outputs depend on.
+
+    A co-simulation FMU has them as knowns with providesDirectionalDerivative only (FMI 2.0.4, 2.2.8): without
+    it <Derivatives>, which tells what the states are, is ignored.
+    """
+    flags = twin.interfaces.get("CoSimulation", {})
+    return "ModelExchange" in twin.interfaces or flags.get("providesDirectionalDerivative") == "true"
+
+
+def _add_structure(root: ET.Element, model: ReducedModel, *, states: bool) -> None:
+    found, place = structure(model), layout(model)
+    inner = set() if states else {*range(place.q.start, place.q.stop), *range(place.v.start, place.v.stop)}
     parent = ET.SubElement(root, "ModelStructure")
     for name, unknowns in (
         ("Outputs", found.outputs),
@@ -147,5 +158,6 @@ def _add_structure(root: ET.Element, model: ReducedModel) -> None:
             continue  # the schema knows no empty list
         group = ET.SubElement(parent, name)
         for index, known in unknowns.items():
-            dependencies = " ".join(str(i + 1) for i in known)
+            hidden = inner if name == "Outputs" else set()
+            dependencies = " ".join(str(i + 1) for i in known if i not in hidden)
             ET.SubElement(group, "Unknown", index=str(index + 1), dependencies=dependencies)

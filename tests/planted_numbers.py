@@ -261,8 +261,8 @@ VALUES = (
     code(
         "the damping ratio of a rigid mode is infinite",
         "reals.c",
-        "        return damping_ratio(x->model->lam[place], x->d[place]);",
-        "        return x->d[place] / sqrt(4.0 * x->model->lam[place]);",
+        "        return damping_ratio(x->model->lam[x->model->k + place], x->d[x->model->k + place]);",
+        "        return x->d[x->model->k + place] / sqrt(4.0 * x->model->lam[x->model->k + place]);",
         "not-finite",
         "values",
     ),

@@ -22,8 +22,8 @@ STATE = (
     code(
         "restoring a state forgets the modal velocities",
         "saved_state.c",
-        "        memcpy(x->motion[order], inputs, x->active * sizeof(double));",
-        "        if (order == 0) memcpy(x->motion[order], inputs, x->active * sizeof(double));",
+        "    memcpy(x->motion[1], v, x->active * sizeof(double));",
+        "    (void)v;",
         "state-restore",
         "state",
     ),
@@ -38,9 +38,8 @@ STATE = (
     code(
         "restoring a state forgets the inputs",
         "saved_state.c",
-        "        memcpy(x->u[order], inputs, m * sizeof(double));\n    for (size_t order = 0; order < 2",
-        "        if (order > 0) memcpy(x->u[order], inputs, m * sizeof(double));\n"
-        "    for (size_t order = 0; order < 2",
+        "        memcpy(x->u[order], inputs, m * sizeof(double));",
+        "        if (order > 0) memcpy(x->u[order], inputs, m * sizeof(double));",
         "state-inputs",
         "state",
     ),

@@ -27,8 +27,9 @@ def sparse_model(initial: str) -> ReducedModel:
     return two_ports(lam=lam, B=B, C=C, initial=initial)
 
 
-def declared(model: ReducedModel, group: str) -> dict[int, set[int]]:
-    xml = model_description(model, Twin("test", {"CoSimulation": {}}, {}), "{x}")
+def declared(model: ReducedModel, group: str, derivatives: str = "true") -> dict[int, set[int]]:
+    faces = {"CoSimulation": {"providesDirectionalDerivative": derivatives}}
+    xml = model_description(model, Twin("test", faces, {}), "{x}")
     unknowns = ET.fromstring(xml).findall(f"ModelStructure/{group}/Unknown")
     return {
         int(u.attrib["index"]) - 1: {int(i) - 1 for i in u.attrib["dependencies"].split()} for u in unknowns
@@ -101,6 +102,18 @@ def test_initial_dependencies(initial: str) -> None:
 
 
 Row = tuple[str, str, str | None, str | None, float | None, float | None, float | None]
+
+
+def test_states_are_no_knowns_where_the_fmu_gives_no_derivatives() -> None:
+    """FMI 2.0.4, 2.2.8: co-simulation without providesDirectionalDerivative; inputs stay, and all else."""
+    model = sparse_model("rest")
+    place = layout(model)
+    states = {*range(place.q.start, place.q.stop), *range(place.v.start, place.v.stop)}
+    full, without = declared(model, "Outputs"), declared(model, "Outputs", "false")
+    assert any(known & states for known in full.values())
+    assert without == {output: known - states for output, known in full.items()}
+    for group in ("Derivatives", "InitialUnknowns"):
+        assert declared(model, group, "false") == declared(model, group)
 
 
 def expected_face(name: str, r: int) -> Row:
