@@ -154,6 +154,22 @@ CALLS = (
         "messages",
     ),
     code(
+        "a category that is switched on switches all of them on",
+        "fmi2_life.c",
+        "        chosen |= bit;\n",
+        "        chosen |= LOG_ALL;\n",
+        "debug-category",
+        "messages",
+    ),
+    code(
+        "a category that is switched on stays off",
+        "fmi2_life.c",
+        "        chosen |= bit;\n",
+        "",
+        "debug-category",
+        "messages",
+    ),
+    code(
         "messages have the name of no instance",
         "component.c",
         "c->callbacks.componentEnvironment, c->name,",

@@ -165,12 +165,14 @@ class Slave:
         self.must("GetRealOutputDerivatives", (c_uint * n)(*references), n, (c_int * n)(*[order] * n), result)
         return list(result)
 
-    def set_rates(self, rates: Mapping[Variable, float]) -> None:
-        """fmi2SetRealInputDerivatives, of order 1."""
-        n = len(rates)
-        references = (c_uint * n)(*(v.reference for v in rates))
+    def set_rates(self, *rates: Mapping[Variable, float]) -> None:
+        """fmi2SetRealInputDerivatives, of the orders 1, 2, … in one call."""
+        given = [(v.reference, i, rate) for i, of_it in enumerate(rates, 1) for v, rate in of_it.items()]
+        n = len(given)
+        references, orders, values = zip(*given, strict=True)
         self.must(
-            "SetRealInputDerivatives", references, n, (c_int * n)(*[1] * n), (c_double * n)(*rates.values())
+            "SetRealInputDerivatives",
+            *((c_uint * n)(*references), n, (c_int * n)(*orders), (c_double * n)(*values)),
         )
 
 

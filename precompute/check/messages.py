@@ -7,7 +7,9 @@ from .check import Check
 from .description import Description
 from .driver import Fmu
 from .finding import Demand, Finding
-from .host import Host
+from .host import Host, Message
+from .instances import several
+from .library import OK
 from .runs import run
 
 NUMBER = 0x5EED  # an address that the FMU must hand back and never follow
@@ -62,6 +64,36 @@ def categories(fmu: Fmu) -> Iterator[Finding]:
     slave.free()
 
 
+def one_category(fmu: Fmu) -> Iterator[Finding]:
+    """With one category switched on its messages are told, and no debug messages of others."""
+    declared = {*fmu.description.categories} - {"logAll"}
+    for category in sorted({m.category for m in _said(fmu, None) if m.category in declared} - {None}):
+        told = _said(fmu, category)
+        others = [m for m in told if m.category != category and m.status == OK]
+        if all(m.category != category for m in told):
+            yield Finding(
+                "debug-category", f"with {category!r} alone switched on none of its messages is told"
+            )
+        elif others:
+            yield Finding(
+                "debug-category",
+                f"with {category!r} alone switched on there are those of {others[0].category!r}",
+            )
+
+
+def _said(fmu: Fmu, category: str | None) -> list[Message]:
+    """What is told of a few steps, and of one that is not legal; None: with everything switched on."""
+    slave = fmu.slave(logging=category is None)
+    if category is not None:
+        slave.call("SetDebugLogging", 1, 1, (ctypes.c_char_p * 1)(category.encode()))
+    before = len(slave.host.log)
+    slave.initialise(fmu.start)
+    run(fmu, slave, 0, 3)
+    slave.call("DoStep", fmu.point(3), -fmu.h, 1)
+    slave.free()
+    return slave.host.log[before:]
+
+
 def _no_categories(description: Description) -> str | None:
     return None if description.categories else "no LogCategories are declared"
 
@@ -89,9 +121,16 @@ DEMANDS: Mapping[str, Demand] = {
         "fmi2SetDebugLogging takes the declared categories",
         "know them, or do not declare them",
     ),
+    "debug-category": Demand(
+        "warning",
+        "2.1.5",
+        "with categories given only debug messages of these are told",
+        "compare the category of each message with those that are switched on",
+    ),
 }
 CHECKS = (
     Check("logger-messages", messages),
     Check("logger-off", silence),
     Check("debug-logging", categories, _no_categories),
+    Check("debug-category", one_category, lambda d: several(d) or _no_categories(d)),
 )

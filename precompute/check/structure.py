@@ -1,9 +1,9 @@
 """ModelStructure against what the FMU does: which unknowns change when a known is changed (section 2.2.8).
 
 In initialization mode set and get may alternate, so each known is moved by itself and all unknowns are read.
-Between steps the same is done with the inputs, where the FMU has values at once. Twice: from a point where
-nothing is zero by chance, and with inputs and states at their start values, where a small effect is not
-lost in a large value.
+Between steps the same is done with the inputs, where the FMU has values at once. From a point where nothing
+is zero by chance, and with inputs and states, then fixed parameters too, at their start values, where a
+small effect is not lost in a large value.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -97,7 +97,9 @@ def initial(fmu: Fmu) -> Iterator[Finding]:
     moves = accepted(fmu, moves)
     everywhere = accepted(fmu, generic(d))
     effects = []
-    for point in (everywhere, {v: x for v, x in everywhere.items() if v.causality == "parameter"}):
+    parameters = {v: x for v, x in everywhere.items() if v.causality == "parameter"}
+    tuned = {v: x for v, x in parameters.items() if v.variability == "tunable"}
+    for point in (everywhere, parameters, tuned):
         slave = initialising(fmu, point)
         effects.append(_effects(d, slave, d.initial_unknowns, moves, point))
         slave.free()

@@ -10,7 +10,7 @@ from .description import Description, Value, Variable
 from .driver import Fmu, Slave, arrays
 from .finding import Demand, Finding
 from .instances import several
-from .library import DISCARD, OK
+from .library import DISCARD, OK, WARNING
 from .runs import difference, inputs_at, moved, run, shown, tuned
 
 SIX_DIGITS = 1e-6  # relative: what some exporters write of a start value
@@ -192,6 +192,35 @@ def set_early(fmu: Fmu) -> Iterator[Finding]:
         yield Finding("set-lost", f"start values set in initialization mode instead of before it: {apart}")
 
 
+def bounds(fmu: Fmu) -> Iterator[Finding]:
+    """Parameters and inputs can be set to the min and the max that are declared for them, each by itself."""
+    slave: Slave | None = None
+    named = 0
+    for v in fmu.description.variables:
+        if v.type not in ("Real", "Integer") or v.causality not in ("parameter", "input"):
+            continue
+        for bound, value in (("min", v.minimum), ("max", v.maximum)):
+            if value is None or named >= MOST:
+                continue
+            slave = slave or _initialising(fmu)
+            given = int(value) if v.type == "Integer" else value
+            status = slave.call(f"Set{v.type}", *arrays(v.type, [v.reference], [given]))
+            if status not in (OK, WARNING):
+                named += 1
+                yield Finding("bound-refused", f"{v.name} cannot be set to its {bound}={value:g}")
+                slave.free()
+                slave = None
+    if slave:
+        slave.free()
+
+
+def _initialising(fmu: Fmu) -> Slave:
+    slave = fmu.slave()
+    slave.setup(fmu.start)
+    slave.must("EnterInitializationMode")
+    return slave
+
+
 def reading(fmu: Fmu) -> Iterator[Finding]:
     """Reading does not change anything, and writes no more than it is asked for."""
     rows = []
@@ -242,6 +271,9 @@ DEMANDS: Mapping[str, Demand] = {
         "a step that cannot be made with its inputs or parameters is fmi2Error or fmi2Discard",
         "refuse values that are no numbers",
     ),
+    "bound-refused": Demand(
+        "warning", "2.2.7", "values from min to max can be set", "narrow the range that is declared"
+    ),
     "reading-changes": Demand(
         "error", "2.1.7", "fmi2GetXXX changes nothing", "compute what is read, and leave the state alone"
     ),
@@ -252,6 +284,7 @@ CHECKS = (
     Check("start-values", start_values),
     Check("set-early", set_early),
     Check("set-lost", kept),
+    Check("bounds", bounds),
     Check("reading", reading),
     not_settable("set-constant", "constant", "", "constant"),
     not_settable("set-output", "output", "output", "continuous"),
