@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import re
+import shutil
 import stat
 import struct
 import subprocess
@@ -23,6 +24,7 @@ from fmu_src.archive import write_archive
 from fmu_src.native_fmu import build_native_fmu
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.toolchain import host_platform
+from precompute.check.arguments import LARGE, resource_location
 from precompute.check.child import FAULT
 from precompute.check.demands import DEMANDS
 from precompute.check.description import read_description
@@ -206,6 +208,7 @@ BAD: Mapping[str, tuple[Callable[[Path, Path], None], str]] = {
     "no binary": (without("binaries/"), "got binaries for no platform, expected"),
     "another platform": (without("binaries/linux64"), "expected"),
     "no XML": (described("<ModelVariables>", "<ModelVariables"), "cannot be read"),
+    "an encoding that nobody knows": (described("UTF-8", "UTF-0"), "cannot be read"),
     "FMI 1": (described('fmiVersion="2.0"', 'fmiVersion="1.0"'), "got FMI 1.0, expected FMI 2.0"),
     "FMI 3": (described('fmiVersion="2.0"', 'fmiVersion="3.0"'), "got FMI 3.0, expected FMI 2.0"),
     "model exchange": (described("CoSimulation", "NoSimulation"), "model exchange only"),
@@ -375,6 +378,28 @@ def test_a_stop_time_that_never_comes(good: Path, tmp_path: Path) -> None:
     unpack(good, tmp_path / "fmu")
     far = dataclasses.replace(read_description(tmp_path / "fmu"), stop=sys.float_info.max, step=1e-9)
     assert Fmu(tmp_path / "fmu", far, 24, lambda call: None).steps == 24
+
+
+def test_large_resources_are_found_at_another_place(good: Path, tmp_path: Path) -> None:
+    """Where a copy of them would be too much."""
+    unpack(good, tmp_path / "fmu")
+    with (tmp_path / "fmu" / "resources" / "large").open("wb") as sparse:
+        sparse.truncate(LARGE)
+    fmu = Fmu(tmp_path / "fmu", read_description(tmp_path / "fmu"), 4, lambda call: None)
+    assert list(resource_location("escaped characters").run(fmu)) == []
+
+
+def test_indices_of_no_variables_hinder_what_follows_them(good: Path, tmp_path: Path) -> None:
+    for old, new in ((' derivative="', ' derivative="9'), ('<Unknown index="', '<Unknown index="9')):
+        bad = changed(good, tmp_path / "bad.fmu", old, new)
+        unpack(bad, tmp_path / "fmu")
+        description = read_description(tmp_path / "fmu")
+        hindered = {
+            check.name for checks in GROUPS.values() for check in checks if check.hindrance(description)
+        }
+        assert {"derivative", "dependencies at initialisation"} <= hindered
+        assert sum(name.startswith("directional-derivative") for name in hindered) == 2
+        shutil.rmtree(tmp_path / "fmu")
 
 
 def test_an_fmu_without_reals_is_not_asked_for_them(good: Path, tmp_path: Path) -> None:

@@ -1,9 +1,10 @@
 """What fmi2Instantiate is given: GUID, resource location, callbacks, memory (section 2.1.5)."""
 
 import ctypes
+import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from shutil import copytree
+from shutil import copy2, copytree
 from tempfile import TemporaryDirectory
 
 from .check import Check, needs
@@ -15,7 +16,7 @@ from .library import CO_SIMULATION
 from .runs import difference, fresh_run, run
 from .state import saved
 
-LARGE = 50_000_000  # bytes of resources that are not copied
+LARGE = 50_000_000  # bytes of resources that are linked and not copied
 NO_GUID = "{00000000-0000-0000-0000-000000000000}"
 
 
@@ -56,8 +57,9 @@ def _uri(fmu: Fmu, form: str, place: Path) -> str:
     if form == "file:/path":
         return fmu.resources().replace("file://", "file:", 1)
     folder, copy = fmu.folder / "resources", place / "a folder, 100% ä" / "resources"
-    if sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) < LARGE and folder.is_dir():
-        copytree(folder, copy)
+    if folder.is_dir():
+        size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+        copytree(folder, copy, copy_function=copy2 if size < LARGE else os.link)
     else:
         copy.mkdir(parents=True)
     return copy.as_uri()

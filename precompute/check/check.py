@@ -20,6 +20,11 @@ def needs(flag: str) -> Callable[[Description], str | None]:
     return lambda description: None if description.can(flag) else f"{flag} is not declared"
 
 
+def needs_indices(description: Description) -> str | None:
+    """The check follows the indices of ModelStructure and of derivatives."""
+    return None if description.indexed else "the description has indices of no variables"
+
+
 def needs_inputs(description: Description) -> str | None:
     """The check needs continuous inputs."""
     return None if description.real_inputs else "no continuous Real inputs"

@@ -87,6 +87,13 @@ class Description:
         return dict(self.flags).get(flag, "false") in ("true", "1")
 
     @property
+    def indexed(self) -> bool:
+        """Whether ModelStructure and the attribute derivative tell of variables that are there."""
+        places = {u.place for u in (*self.outputs, *self.derivatives, *self.initial_unknowns)}
+        places |= {v.derivative for v in self.variables if v.derivative is not None}
+        return all(0 <= place < len(self.variables) for place in places)
+
+    @property
     def output_order(self) -> int:
         """maxOutputDerivativeOrder"""
         return int(_number(dict(self.flags).get("maxOutputDerivativeOrder")) or 0)
@@ -115,7 +122,7 @@ def read_description(folder: Path) -> Description:
     """Of an unpacked FMU. Raises ModalFmuError: not XML, not FMI 2.0, no co-simulation."""
     try:
         root = ET.parse(folder / DESCRIPTION).getroot()
-    except ET.ParseError as error:
+    except (ET.ParseError, LookupError, ValueError) as error:  # the latter of encodings
         raise ModalFmuError(f"its {DESCRIPTION} cannot be read ({error}); is it whole?") from None
     version = root.get("fmiVersion")
     if root.tag != "fmiModelDescription" or version != "2.0":

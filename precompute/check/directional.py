@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from .check import Check, needs
-from .description import Unknown, Value, Variable
+from .check import Check, needs, needs_indices
+from .description import Description, Unknown, Value, Variable
 from .driver import Fmu, Refused, Slave
 from .finding import Demand, Finding
 from .runs import inputs_at, run, size_of
@@ -140,6 +140,10 @@ def _central(at: Callable[[float], list[float]], centre: float, delta: float) ->
     return [(b - a) / (2 * delta) for a, b in zip(low, high, strict=True)]
 
 
+def _hindrance(description: Description) -> str | None:
+    return needs("providesDirectionalDerivative")(description) or needs_indices(description)
+
+
 DEMANDS: Mapping[str, Demand] = {
     "directional-derivative": Demand(
         "error",
@@ -152,8 +156,6 @@ DEMANDS: Mapping[str, Demand] = {
     ),
 }
 CHECKS = (
-    Check("directional-derivative at initialisation", initial, needs("providesDirectionalDerivative")),
-    Check(
-        "directional-derivative at a communication point", at_a_point, needs("providesDirectionalDerivative")
-    ),
+    Check("directional-derivative at initialisation", initial, _hindrance),
+    Check("directional-derivative at a communication point", at_a_point, _hindrance),
 )

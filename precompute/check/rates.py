@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from ctypes import c_double, c_int, c_uint
 
-from .check import Check
+from .check import Check, needs_indices
 from .description import Description
 from .driver import Fmu, Refused, Slave
 from .finding import Demand, Finding
@@ -198,7 +198,7 @@ def _interpolates(description: Description) -> str | None:
 def _derivatives(description: Description) -> str | None:
     if all(v.derivative is None for v in description.variables):
         return "no variable is a derivative"
-    return _short_steps(description)
+    return _short_steps(description) or needs_indices(description)
 
 
 DEMANDS: Mapping[str, Demand] = {

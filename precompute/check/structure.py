@@ -9,7 +9,7 @@ small effect is not lost in a large value.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from .check import Check
+from .check import Check, needs_indices
 from .description import Description, Unknown, Value, Variable
 from .driver import Fmu, Refused, Slave
 from .finding import Demand, Finding
@@ -186,11 +186,13 @@ def _large(before: Value, after: Value) -> bool:
 
 
 def _no_initial(description: Description) -> str | None:
-    return None if description.initial_unknowns else "ModelStructure has no InitialUnknowns"
+    none = None if description.initial_unknowns else "ModelStructure has no InitialUnknowns"
+    return none or needs_indices(description)
 
 
 def _no_feedthrough(description: Description) -> str | None:
-    return None if description.inputs and description.outputs else "there are not both inputs and outputs"
+    none = None if description.inputs and description.outputs else "there are not both inputs and outputs"
+    return none or needs_indices(description)
 
 
 DEMANDS: Mapping[str, Demand] = {
