@@ -292,7 +292,7 @@ void *fmi2Instantiate(void) { static int one; return &one; }
     ("deed", "name", "words"),
     [
         ("abort()", "crash", "crashed with SIGABRT in fmi2FreeInstance, in the check first-step"),
-        ("for (;;)", "hang", "no answer for 2 s in fmi2FreeInstance, in the check first-step"),
+        ("for (;;)", "hang", "no answer for 4 s in fmi2FreeInstance, in the check first-step"),
         ("exit(0)", "crash", "ended the process by itself in fmi2FreeInstance, in the check first-step"),
         ("_Exit(3)", "crash", "ended the process with exit code 3 in fmi2FreeInstance"),
     ],
@@ -304,7 +304,7 @@ def test_the_end_of_the_process_is_a_finding(
     description = read_description(tmp_path / "fmu")
     calls = "\n".join(f"int fmi2{call}(void) {{ return 0; }}" for call in CALLS)
     binary(tmp_path / "fmu", description).write_bytes(compiled(STUB % deed + calls))
-    result = run_group(tmp_path / "fmu", "begin", 4, 2.0)
+    result = run_group(tmp_path / "fmu", "begin", 4, 4.0)
     assert [finding.name for finding in result.findings] == [name]
     assert words in result.findings[0].got
     assert result.made == ("functions", "first-step", "unload")
@@ -313,13 +313,13 @@ def test_the_end_of_the_process_is_a_finding(
 def test_what_is_slow_does_not_hang(good: Path, tmp_path: Path) -> None:
     """Every call returns, but all of them take longer than the patience; what is left is checked."""
     unpack(good, tmp_path / "fmu")
-    calls = "\n".join(f"int fmi2{call}(void) {{ usleep(300000); return 0; }}" for call in CALLS)
+    calls = "\n".join(f"int fmi2{call}(void) {{ usleep(700000); return 0; }}" for call in CALLS)
     source = "#include <unistd.h>\n" + STUB % "usleep(1)" + calls
     binary(tmp_path / "fmu", read_description(tmp_path / "fmu")).write_bytes(compiled(source))
-    result = run_group(tmp_path / "fmu", "begin", 4, 2.0)
+    result = run_group(tmp_path / "fmu", "begin", 4, 4.0)
     assert result.findings == ()
     assert [(skip.check, skip.why[:30]) for skip in result.skipped] == [
-        ("first-step", "it took longer than 2 s; give ")
+        ("first-step", "it took longer than 4 s; give ")
     ]
     assert result.made == ("functions", "unload")
 

@@ -91,18 +91,19 @@ def _run(work: Path, arguments: list[str], patience: float) -> str | None:
             cwd=work,
             env={**os.environ, **ENVIRONMENT, "PYTHONPATH": _search_path(), **_temporary(work)},
         )
-        before = 0
+        hangs = True
         try:
-            for part in (1 - LAST, LAST):
+            _wait(process, (1 - LAST) * patience)
+            for _ in range(2):  # where the machine is busy a call that hangs may have begun late
                 before = notes(work / "journal")
-                with suppress(subprocess.TimeoutExpired):
-                    process.wait(part * patience)
+                _wait(process, LAST * patience)
+                if hangs := notes(work / "journal") == before:
+                    break
         finally:  # also where the user breaks it off
             if (code := process.poll()) is None:
                 process.kill()
                 process.wait()
         if code is None:
-            hangs = notes(work / "journal") == before
             return f"no answer for {patience:g} s" if hangs else SLOW
     if code == 0:
         return None
@@ -111,6 +112,12 @@ def _run(work: Path, arguments: list[str], patience: float) -> str | None:
     if code < 0:
         return f"crashed with {signal.Signals(-code).name}{words}"
     return f"ended the process with exit code {code}{words}"
+
+
+def _wait(process: "subprocess.Popen[bytes]", seconds: float) -> None:
+    """Until it has ended, or not longer than that."""
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(seconds)
 
 
 def _temporary(work: Path) -> dict[str, str]:
