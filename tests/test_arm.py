@@ -2,12 +2,19 @@
 
 import re
 import runpy
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from moved_responses import responses
 from ready_parts import MODELS, at_rest, column, computed, reduction, table
+
+from fmu_src.native_fmu import build_native_fmu
+from precompute.check.description import read_description
+from precompute.check.driver import Fmu
+from precompute.check.structure import CHECKS as STRUCTURE
+from precompute.check.unpack import unpack
 
 L, H, B, E, NU, RHO = 0.6, 0.02, 0.04, 70e9, 0.33, 2700.0
 README = (MODELS / "arm" / "README.md").read_text(encoding="utf-8")
@@ -107,3 +114,12 @@ def test_sizes_are_those_in_the_readme() -> None:
     assert told is not None
     assert found.dofs == int(told[1])
     assert abs(found.model.r - int(told[2])) <= 3  # rounding may choose others that do as well
+
+
+def test_the_checker_sees_every_dependence_that_is_listed(tmp_path: Path) -> None:
+    """Also those of 1e-10 beside displacements that a start value of the motion makes large."""
+    fmu = build_native_fmu(reduction("arm").model, tmp_path / "arm.fmu")
+    unpack(fmu, tmp_path / "arm")
+    description = read_description(tmp_path / "arm")
+    (check,) = (check for check in STRUCTURE if check.name == "dependencies at initialisation")
+    assert list(check.run(Fmu(tmp_path / "arm", description, 4, lambda call: None))) == []
