@@ -2,6 +2,7 @@
 
 import math
 import shutil
+import struct
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -187,6 +188,22 @@ def test_damping_is_tuned_with_nothing_else_changed(initial: str) -> None:
             assert x.step(0.2 * (k - 1), 0.2) == OK
             assert twin.advance(0.2 * (k - 1), 0.2) is None
             assert np.abs(x.reals() - twin.reals()).max() < 1e-14 * 1e4, alpha
+    x.free()
+
+
+def test_a_state_that_stops_a_port_is_damaged() -> None:
+    """The motions count as active: fewer than k coordinates are refused, k are not."""
+    fmu = native_fmu(driven)
+    x = begun(fmu, np.zeros(3), np.ones(3))
+    saved, seen = x.save(), x.reals()
+    k, n, m = fmu.coordinates - fmu.modes, fmu.coordinates, len(fmu.inputs)
+    head = struct.pack("=QQQ", n, m, n)
+    assert saved.count(head) == 1
+    for active, status in ((k - 1, ERROR), (k, OK)):
+        assert x.restore(saved.replace(head, struct.pack("=QQQ", n, m, active))) == status
+        if status == ERROR:
+            np.testing.assert_array_equal(x.reals(), seen)
+    assert x.get_active() == 0
     x.free()
 
 
