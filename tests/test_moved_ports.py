@@ -177,18 +177,22 @@ def test_what_the_held_ports_leave_free_is_not_driven() -> None:
 
 
 def test_a_spring_to_ground_holds_the_part_as_a_support_does() -> None:
-    """The port takes the part along against the spring: ΨᵀKΨ is the stiffness of both in series."""
+    """The port takes the part along in x, against the spring: ΨᵀKΨ is the stiffness of both in series.
+
+    Guides leave nothing else: a part that could turn would get out of the spring's way.
+    """
+    guided = held(Z == 0, "yz")
     sprung = with_springs(BODY, [(motion(FLANGE, 0, DOFS), 0.5)])
     W = rows([(LEFT, 0)])
-    of = hold_motions(constrain(sprung, NONE, DOFS, []), W, [("left", "motion.x")])
-    found = shapes(of, NONE, sprung)
+    of = hold_motions(constrain(sprung, guided, DOFS, []), W, [("left", "motion.x")])
+    found = shapes(of, guided, sprung)
     both = rows([(LEFT, 0), (FLANGE, 0)])
-    with static_solver(BODY, NONE) as solve:
+    with static_solver(BODY, guided) as solve:
         F = solve(both.T.toarray())
-    G, r = both @ F, both @ BODY.rigid[:, :]
-    # [G + diag(0, 1/k), r; rᵀ, 0] [μ; c] = [1; 0 …]: two forces in equilibrium with each other
-    A = np.block([[G + np.diag([0.0, 2.0]), r], [r.T, np.zeros((6, 6))]])
-    mu = np.linalg.lstsq(A, np.eye(8)[0], rcond=None)[0]
+    G, r = both @ F, both @ solve.rigid
+    # [G + diag(0, 1/k), r; rᵀ, 0] [μ; c] = [1; 0; 0]: two forces in equilibrium with each other
+    A = np.block([[G + np.diag([0.0, 2.0]), r], [r.T, np.zeros((1, 1))]])
+    mu = np.linalg.solve(A, np.eye(3)[0])
     assert (found.elastic.T @ (sprung.K @ found.elastic))[0, 0] == pytest.approx(mu[0], rel=1e-10)
     assert 0 < mu[0] < 0.5
 
