@@ -161,9 +161,9 @@ def test_every_input_and_output_of_a_port(part_file: Path) -> None:
     moving = [name for name in ORDINARY_INPUTS if "motion" in name]
     pushing = [name for name in ORDINARY_INPUTS if name not in moving]
     assert len(moving) == len(pushing) - 1 == 6
-    reactions = [name for name in ORDINARY_OUTPUTS if name.startswith("reaction")]
+    reactions = [name for name in ORDINARY_OUTPUTS if name.startswith(("reaction", "action"))]
     others = [name for name in ORDINARY_OUTPUTS if name not in reactions]
-    assert len(reactions) == 6
+    assert len(reactions) == 2 * 6
     assert len(others) == 7 * 3 + 7  # seven motions along or about three axes, seven stresses
     for inputs, outputs in ((pushing, others), (moving, others + reactions)):
         port = read(part_file, full(tip, f"inputs = {inputs}\noutputs = {outputs}")).ports[0]
