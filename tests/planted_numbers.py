@@ -229,7 +229,7 @@ VALUES = (
         "instance_memory.c",
         "        x->C_of[k] = x->C + row * x->n;\n",
         "        x->C_of[k] = x->C + row * x->n;\n"
-        "        for (size_t i = 0; law == VELOCITY && i < r; i++) x->C_of[k][i] *= "
+        "        for (size_t i = 0; law == VELOCITY && i < n; i++) x->C_of[k][i] *= "
         "-1.0;\n",
         "reference-results",
         "references",
