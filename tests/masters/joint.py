@@ -67,7 +67,15 @@ class Way:
         """Both FMUs at t = 0."""
         for fmu in self.fmus:
             fmu.restart(start)
-        return Coupled(self.fmus, Linear(self.L, lambda t, order: np.array([force(t), 0.0, 0.0, 0.0])))
+
+        def pushed(t: float, order: int) -> Floats:
+            if order > 0:
+                raise ValueError(
+                    "got inputs by derivatives, which the force has none of; hold them or take linear"
+                )
+            return np.array([force(t), 0.0, 0.0, 0.0])
+
+        return Coupled(self.fmus, Linear(self.L, pushed))
 
     @cached_property
     def whole(self) -> Monolith:
